@@ -15,7 +15,7 @@ from typing import Any, TypedDict
 from codewheel.language.keys_of_masters import FILE_FORMATS, NUMBERS, TYPES, WORDS
 from codewheel.loading.library import load_library
 from codewheel.masters.encoder_facts import NOTE_ON_CLOCKS, EncoderFacts
-from codewheel.masters.frame_parts import covered_items, depends_on_crc, depends_on_whole_frame
+from codewheel.masters.frame_parts import covered_facts, depends_on_crc, depends_on_whole_frame
 from codewheel.masters.groups import facts_of_order_codes, order_code_groups
 from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, SettingsSheet, sheet, shipped_masters
@@ -24,7 +24,7 @@ from codewheel.model import INTERFACES, Biss, Device, Interface, Ssi
 from codewheel.model.expressions import Expression
 from codewheel.one_line.spec import device_of_line
 from codewheel.say import decimal
-from codewheel.say.names_and_evidence import GRADES, grade_below_manual, origin
+from codewheel.say.names_and_evidence import GRADES, differences_from_manual, grade_below_manual
 from codewheel.say.text import PLAIN_STYLE
 from codewheel.targets.masters.files import file_text
 
@@ -134,7 +134,7 @@ def page_data(devices: Sequence[Device]) -> Page:
 
 def _family_data(device: Device) -> dict[str, Any]:
     """Return the title of a family, and the sentences about its grade and its origin."""
-    statements = (*grade_below_manual(device), *origin(device))
+    statements = (*grade_below_manual(device), *differences_from_manual(device))
     return {"title": device.title, "statements": [PLAIN_STYLE.sentence(statement) for statement in statements]}
 
 
@@ -150,21 +150,25 @@ def _line_data() -> dict[str, Any]:
 
 def _record_data(encoder_record: EncoderFacts) -> dict[str, Any]:
     """Return the facts about an order code without the code, as data for the page."""
-    channels = encoder_record.channels
-    rows = [[row.metres, row.hz, row.is_below, row.is_shorter] for row in encoder_record.cables.rows]
+    channels = encoder_record.other_channels
+    rows = [[row.metres, row.hz, row.is_below, row.is_shorter] for row in encoder_record.cable_table.rows]
     return {
         "words": encoder_record.words,
         "numbers": {name: _exact_number(number) for name, number in encoder_record.numbers.items()},
-        "parts": [[part.name, part.role, part.bits, part.active] for part in encoder_record.parts],
+        "parts": [[part.name, part.role, part.bits, part.active] for part in encoder_record.frame_parts],
         "timeout": encoder_record.timeout,
-        "cables": {"rows": rows, "origin": encoder_record.cables.origin, "errata": encoder_record.cables.errata},
-        "mentioned": {topic.name: text for topic, text in encoder_record.mentioned.items() if text},
+        "cables": {
+            "rows": rows,
+            "origin": encoder_record.cable_table.origin,
+            "errata": encoder_record.cable_table.errata,
+        },
+        "mentioned": {topic.name: text for topic, text in encoder_record.mention_by_topic.items() if text},
         "notes": encoder_record.notes,
-        "step_text": decimal(encoder_record.step) if encoder_record.step is not None else "",
-        "document": encoder_record.document,
+        "step_text": decimal(encoder_record.count_size_um) if encoder_record.count_size_um is not None else "",
+        "document": encoder_record.document_word,
         "used_hz": encoder_record.used_hz,
         "crc_obstacle": encoder_record.crc_obstacle,
-        "channel_refusal": channels.refusal(encoder_record.layout),
+        "channel_refusal": channels.refusal(encoder_record.layout_name),
         "channel_gap": channels.gap if channels else "",
     }
 
@@ -191,7 +195,7 @@ def _master_data(master: Master) -> dict[str, Any]:
         "notes": master.notes,
         "files": master.files,
         "checks_crc": depends_on_crc((master.limits, master.settings)),
-        "covered_items": sorted(covered_items(rules)),
+        "covered_items": sorted(covered_facts(rules)),
     }
 
 

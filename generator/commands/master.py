@@ -134,7 +134,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
         CommandError: The order code or edition does not exist, or there are no settings for it.
     """
     from ..masters.encoder_facts import Undecided
-    from ..masters.frame_parts import NoRecord
+    from ..masters.frame_parts import NoMasterSettings
     from ..masters.order_code_facts import facts_of_order_code
     from ..order_codes.parameters import RegisterError, with_registers
     from .find_encoder import answers_of, describe_open_questions, find_requested
@@ -155,7 +155,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     except Undecided as error:
         message = describe_open_questions(device, error.layout, answers, predicate="has no settings")
         raise CommandError(message, 2) from None
-    except NoRecord as error:
+    except NoMasterSettings as error:
         raise CommandError(str(error), 1) from None
     return device, code_match, encoder_record
 

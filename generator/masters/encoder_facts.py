@@ -32,7 +32,7 @@ from ..model.record import dataclass
 from ..say.names_and_evidence import Topic, addresses_text
 from ..say.order_code import words_for_initial_values
 from ..say.text import count_with_unit, hertz
-from .frame_parts import FramePart, NoRecord, turn_bits_of_fields
+from .frame_parts import FramePart, NoMasterSettings, turn_bits_of_fields
 
 #: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: clock on MA with RS-422.
 _BISS_CLOCKS = (
@@ -46,7 +46,7 @@ _BISS_CLOCKS = (
 )
 
 
-class Undecided(NoRecord):
+class Undecided(NoMasterSettings):
     """The frame depends on a question that the manual leaves open, and the user gave no answer."""
 
     def __init__(self, layout: Layout, names: Iterable[str]) -> None:
@@ -102,7 +102,7 @@ class CableTable:
         rows_for_length = [row for row in self.rows if row.includes(metres)]
         return max(rows_for_length, key=lambda row: row.hz, default=None)
 
-    def about(self, clock_hz: int) -> str:
+    def sentence_on_clock(self, clock_hz: int) -> str:
         """Return a sentence about the longest cable for a clock, or that no row allows it.
 
         Return an empty string without a table.
@@ -121,27 +121,32 @@ class CableTable:
         return f"No row of the table in {self.origin} allows this clock: {reason}."
 
 
-def _printed_rows(interface: Ssi, code: str) -> list[CableRow]:
-    """Return the rows of the manual's table that apply to an order code, or all rows if ``code`` is empty."""
-    lengths = facts_for_code(interface.cable_lengths, code) if code else interface.cable_lengths
+def _printed_rows(interface: Ssi, order_code: str) -> list[CableRow]:
+    """Return the rows of the manual's table that apply to an order code, or all rows if ``order_code`` is empty."""
+    cable_lengths = facts_for_code(interface.cable_lengths, order_code) if order_code else interface.cable_lengths
     return [
-        CableRow(metres=length.shorter_than_m, hz=length.limit_hz, is_below=length.is_exclusive, is_shorter=True)
-        for length in lengths
+        CableRow(
+            metres=cable_length.shorter_than_m,
+            hz=cable_length.limit_hz,
+            is_below=cable_length.is_exclusive,
+            is_shorter=True,
+        )
+        for cable_length in cable_lengths
     ]
 
 
-def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
+def cable_table(device: Device, interface: Ssi | Biss, order_code: str = "") -> CableTable:
     """Return the table of clocks by cable length: the manual's table for SSI, and a published one for BiSS.
 
     If the manual gives no table, it has no rows. The rows and errata of the manual are those for the order code, or all
-    if ``code`` is empty.
+    if ``order_code`` is empty.
     """
     match interface:
         case Ssi():
-            path = f"interfaces.{interface.name}.cable_lengths"
-            rows = _printed_rows(interface, code)
-            errata = facts_for_code(device.errata, code) if code else device.errata
-            errata_names = [erratum.name for erratum in errata if path in erratum.affects]
+            table_path = f"interfaces.{interface.name}.cable_lengths"
+            rows = _printed_rows(interface, order_code)
+            errata = facts_for_code(device.errata, order_code) if order_code else device.errata
+            errata_names = [erratum.name for erratum in errata if table_path in erratum.affects]
             return CableTable(rows=tuple(rows), origin=_ORIGIN_MANUAL, errata=tuple(errata_names))
         case Biss():
             rows = [CableRow(metres=metres, hz=hz, is_below=False, is_shorter=False) for metres, hz in _BISS_CLOCKS]
@@ -188,35 +193,36 @@ class EncoderFacts:
     """Facts about one order code that master settings depend on.
 
     ``words`` and ``numbers`` are the facts to which the rules for masters refer, by name. A number that the spec does
-    not give is None. ``parts`` are the parts of the frame in the order in which they are sent, and ``notes`` are
+    not give is None. ``frame_parts`` are the parts of the frame in the order in which they are sent, and ``notes`` are
     sentences for the user. ``answers`` are the user's answers to questions that the manual leaves open, by the name of
     the question. ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` is the row of
-    the table that limits the clock, or None. ``step`` is the exact length of a count in µm. ``document`` is the word
-    for the source of the spec, such as ``manual``. ``mentioned`` refers to a text of the manual about a subject.
-    ``used_hz`` has clocks with which the encoder is known to work, if its highest clock is unknown. ``obstacle`` is the
-    reason why no master can read the position, and ``crc_obstacle`` is the reason why none can check the CRC. Both are
-    sentences or empty. ``channels`` are the other data channels in the frame ``layout``.
+    the table that limits the clock, or None. ``count_size_um`` is the exact length of a count in µm. ``document_word``
+    is the word for the source of the spec, such as ``manual``. ``mention_by_topic`` refers to a text of the manual
+    about a subject. ``used_hz`` has clocks with which the encoder is known to work, if its highest clock is unknown.
+    ``obstacle`` is the reason why no master can read the position, and ``crc_obstacle`` is the reason why none can
+    check the CRC. Both are sentences or empty. ``other_channels`` are the other data channels in the frame
+    ``layout_name``.
     """
 
     code: str
     family: str
     words: Mapping[str, str]
     numbers: Mapping[str, int | None]
-    parts: tuple[FramePart, ...]
+    frame_parts: tuple[FramePart, ...]
     timeout: str
-    cables: CableTable
-    mentioned: Mapping[Topic, str]
+    cable_table: CableTable
+    mention_by_topic: Mapping[Topic, str]
     notes: tuple[str, ...] = ()
     answers: Mapping[str, str] = dataclasses.field(default_factory=dict)
     cable_m: int | None = None
     cable_row: CableRow | None = None
-    step: Fraction | None = None
-    document: str = "manual"
+    count_size_um: Fraction | None = None
+    document_word: str = "manual"
     used_hz: tuple[int, ...] = ()
     obstacle: str = ""
     crc_obstacle: str = ""
-    channels: FrameChannels = NO_CHANNELS
-    layout: str = ""
+    other_channels: FrameChannels = NO_CHANNELS
+    layout_name: str = ""
 
     @property
     def known_numbers(self) -> Mapping[str, int]:
@@ -230,12 +236,12 @@ _ORIGIN_MANUAL, _ORIGIN_PUBLIC = "the encoder's manual", "iC-Haus AN15, revision
 def frame_channels(interface: Interface, position_layout: PlacedLayout) -> FrameChannels:
     """Return the names of the other data channels in the frame with the position, if the frame has several channels."""
     frame = channel_frame(interface)
-    layouts = frame.layouts if frame is not None else ()
-    names = [layout.name for layout in layouts if layout.is_sent(position_layout.parameters)]
-    if position_layout.name not in names:
+    layouts_in_frame = frame.layouts if frame is not None else ()
+    sent_names = [layout.name for layout in layouts_in_frame if layout.is_sent(position_layout.parameters)]
+    if position_layout.name not in sent_names:
         return NO_CHANNELS
-    index = names.index(position_layout.name)
-    return FrameChannels(before=tuple(names[:index]), after=tuple(names[index + 1 :]))
+    position_index = sent_names.index(position_layout.name)
+    return FrameChannels(before=tuple(sent_names[:position_index]), after=tuple(sent_names[position_index + 1 :]))
 
 
 def channel_notes(interface: Interface, position_layout: PlacedLayout) -> Iterator[str]:
@@ -265,10 +271,10 @@ def answer_notes(alternatives: Sequence[Alternative], answer_names: Mapping[str,
                 yield f"With {alternative.name}={answer.name}: {answer.meaning}."
 
 
-def clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:
+def clock_notes(numbers: Mapping[str, int | None], table_of_clocks: CableTable, cable_m: int | None) -> Iterator[str]:
     """Yield a note if the clock also depends on the cable length, but the user gave none (``cable_m`` is None)."""
     is_highest_clock_known = numbers["clock_max_hz"] is not None
-    if is_highest_clock_known and cables.rows and cable_m is None:
+    if is_highest_clock_known and table_of_clocks.rows and cable_m is None:
         yield NOTE_ON_CLOCKS
 
 
@@ -316,28 +322,28 @@ def frame_notes(
 def _notes_on_unused_bits(placed_layout: PlacedLayout, frame_parts: Sequence[FramePart]) -> Iterator[str]:
     """Yield a note on bits that masters take as zero bits, although the encoder may send ones there."""
     padding_names = [part.name for part in frame_parts if part.role == "padding"]
-    names: list[str] = []
-    for field in placed_layout.fields:
-        kind = field.field.kind
-        may_be_any_bits = isinstance(kind, Unused) and kind.makes_position is Verdict.USABLE
-        if may_be_any_bits and field.name in padding_names:
-            names.append(f"'{field.name}'")
-    if names:
+    names_in_quotes: list[str] = []
+    for placed_field in placed_layout.fields:
+        field_kind = placed_field.field.kind
+        may_be_any_bits = isinstance(field_kind, Unused) and field_kind.makes_position is Verdict.USABLE
+        if may_be_any_bits and placed_field.name in padding_names:
+            names_in_quotes.append(f"'{placed_field.name}'")
+    if names_in_quotes:
         yield (
-            f"Masters take {' and '.join(names)} as zero bits. If the encoder sends ones there, a master may read a "
-            "wrong position."
+            f"Masters take {' and '.join(names_in_quotes)} as zero bits. If the encoder sends ones there, a master may "
+            "read a wrong position."
         )
 
 
 def _notes_on_status_order(placed_layout: PlacedLayout) -> Iterator[str]:
     """Yield a note if the frame has a warning bit before its first error bit, unlike usual BiSS frames."""
-    verdicts: list[Verdict | None] = []
-    for field in placed_layout.fields:
-        if isinstance(field.field.kind, Flag):
-            verdicts.append(field.field.kind.makes_position)
-    if Verdict.NOT_USABLE not in verdicts or Verdict.USABLE_WITH_WARNING not in verdicts:
+    verdicts_of_flags: list[Verdict | None] = []
+    for placed_field in placed_layout.fields:
+        if isinstance(placed_field.field.kind, Flag):
+            verdicts_of_flags.append(placed_field.field.kind.makes_position)
+    if Verdict.NOT_USABLE not in verdicts_of_flags or Verdict.USABLE_WITH_WARNING not in verdicts_of_flags:
         return
-    if verdicts.index(Verdict.USABLE_WITH_WARNING) < verdicts.index(Verdict.NOT_USABLE):
+    if verdicts_of_flags.index(Verdict.USABLE_WITH_WARNING) < verdicts_of_flags.index(Verdict.NOT_USABLE):
         order_text = "A warning bit is sent before the error bit"
         yield f"{order_text}. Masters that expect the error bit first take one for the other."
 
@@ -356,10 +362,10 @@ def split_notes(
     if device.movement == "rotary" and measurement.counts_per_turn is None:
         remedy = "Add the counts per revolution to the spec to list the revolutions"
         yield f"All bits of the position are listed as singleturn bits. {remedy}."
-    with suppress(NoRecord):
-        turn_bits = turn_bits_of_fields(placed_layout, measurement, variant)
+    with suppress(NoMasterSettings):
+        turn_bits_by_field = turn_bits_of_fields(placed_layout, measurement, variant)
         for field in position_fields:
-            turn_bits_of_field = turn_bits[field.name]
+            turn_bits_of_field = turn_bits_by_field[field.name]
             if 0 < turn_bits_of_field < field.width:
                 highest_bits = count_with_unit(turn_bits_of_field, "bit")
                 both_parts = f"the revolutions in its highest {highest_bits} and the rest below them"
@@ -373,10 +379,10 @@ def _register_notes(device: Device, parameters: set[str], *, dependence: str, as
     """
     needed_names = device.needed_parameters(parameters)
     register_names = [parameter.register for parameter in device.run_time_parameters if parameter.name in needed_names]
-    registers = dict.fromkeys(_register_in_words(device, name) for name in register_names)
-    if not registers:
+    registers_in_words = dict.fromkeys(_register_in_words(device, name) for name in register_names)
+    if not registers_in_words:
         return
-    contents = "the given values"
+    register_contents = "the given values"
     if as_delivered:
-        contents = f"their {words_for_initial_values(device)}. Other values need other settings"
-    yield f"The {dependence} on registers: {', '.join(registers)}. These settings are for {contents}."
+        register_contents = f"their {words_for_initial_values(device)}. Other values need other settings"
+    yield f"The {dependence} on registers: {', '.join(registers_in_words)}. These settings are for {register_contents}."

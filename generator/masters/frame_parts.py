@@ -24,7 +24,7 @@ from ..model import (
 from ..model.expressions import Expression, is_power_of_two
 
 
-class NoRecord(ValueError):
+class NoMasterSettings(ValueError):
     """There are no master settings for this order code. The message gives the reason in one line."""
 
 
@@ -53,27 +53,27 @@ def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
     order have the role ``parity`` or ``other``.
 
     Raises:
-        NoRecord: No master can read the frame, because some bits have no field, other bits are sent within the
+        NoMasterSettings: No master can read the frame, because some bits have no field, other bits are sent within the
             position, or the revolutions are not the highest bits of the position.
     """
     layout = placed_layout.layout
-    turn_bits = turn_bits_of_fields(placed_layout, measurement, variant)
-    position_field_names = tuple(turn_bits)
+    turn_bits_by_field = turn_bits_of_fields(placed_layout, measurement, variant)
+    position_field_names = tuple(turn_bits_by_field)
     stage = "before"
-    unread_bits = placed_layout.bits  # Number of bits after the fields so far.
+    unread_bit_count = placed_layout.bits  # Number of bits after the fields so far.
     for field in placed_layout.fields:
-        has_gap_before = field.high + 1 != unread_bits
+        has_gap_before = field.high + 1 != unread_bit_count
         if has_gap_before:
-            raise NoRecord(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
-        unread_bits = field.low
+            raise NoMasterSettings(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
+        unread_bit_count = field.low
         role = _role_of_field(field, placed_layout, position_field_names, stage)
         if role == "position":
-            yield from _position_parts(field, turn_bits[field.name])
+            yield from _position_parts(field, turn_bits_by_field[field.name])
         else:
             yield _part_without_position(field, role)
         stage = _next_stage(stage, role)
-    if unread_bits:
-        raise NoRecord(f"the last bits of '{layout.name}' have no meaning in the spec")
+    if unread_bit_count:
+        raise NoMasterSettings(f"the last bits of '{layout.name}' have no meaning in the spec")
 
 
 def _next_stage(stage: str, role: str) -> str:
@@ -107,7 +107,7 @@ def rough_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
     """
     try:
         turn_bits = turn_bits_of_fields(placed_layout, measurement, variant)
-    except NoRecord:
+    except NoMasterSettings:
         turn_bits = {field.name: 0 for field in _position_fields(placed_layout, measurement)}
     for field in placed_layout.fields:
         if field.name in turn_bits:
@@ -130,18 +130,18 @@ def _role_of_field(
     significant first.
 
     Raises:
-        NoRecord: Other bits are sent between the fields of the position.
+        NoMasterSettings: Other bits are sent between the fields of the position.
     """
     if field.name in position_field_names:
         if stage not in ("before", "position"):
-            raise NoRecord(f"the position is not in one piece: other bits are sent before '{field.name}'")
+            raise NoMasterSettings(f"the position is not in one piece: other bits are sent before '{field.name}'")
         return "position"
     if stage == "position":
         last_position_field = position_field_names[-1]
-        lowest_bit_of_position, _ = placed_layout.place_of(last_position_field)
-        is_within_position = field.low > lowest_bit_of_position
+        lowest_position_bit, _ = placed_layout.place_of(last_position_field)
+        is_within_position = field.low > lowest_position_bit
         if is_within_position:
-            raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
+            raise NoMasterSettings(f"the position is not in one piece: '{field.name}' is sent within it")
     role = _expected_role(field, stage)
     if stage == "before":
         possible_roles: tuple[str, ...] = ("before",)  # Only zero bits can precede the position.
@@ -160,13 +160,13 @@ def _expected_role(field: PlacedField, stage: str) -> str:
     Zero bits are ``before`` the position if ``stage`` is ``before``, and otherwise ``after`` it. A flag, and a single
     constant or unused bit that is 1, is a status bit. All other fields except a CRC are ``other``.
     """
-    kind = field.field.kind
-    if isinstance(kind, CrcValue):
+    field_kind = field.field.kind
+    if isinstance(field_kind, CrcValue):
         return "crc"
-    if isinstance(kind, (Constant, Unused)) and kind.value == 0:
+    if isinstance(field_kind, (Constant, Unused)) and field_kind.value == 0:
         return "before" if stage == "before" else "after"
     # Constant and unused zeros are handled above.
-    is_status_bit = field.width == 1 and isinstance(kind, (Flag, Constant, Unused))
+    is_status_bit = field.width == 1 and isinstance(field_kind, (Flag, Constant, Unused))
     return "status" if is_status_bit else "other"
 
 
@@ -175,13 +175,13 @@ def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool
 
     Bits that are always 0 need not be covered.
     """
-    kind = field.field.kind
+    field_kind = field.field.kind
     is_last_field = field.low == 0
     # With ``over``, the parity covers only the odd or the even bits of each field.
-    if not isinstance(kind, Parity) or kind.over or not is_last_field:
+    if not isinstance(field_kind, Parity) or field_kind.over or not is_last_field:
         return False
-    covered_names = set(kind.constants)
-    for covered_item in kind.of:
+    covered_names = set(field_kind.constants)
+    for covered_item in field_kind.of:
         covered_names.update(placed_layout.layout.field_names_of(covered_item))
     other_fields = [other_field for other_field in placed_layout.fields if other_field is not field]
     return all(other_field.name in covered_names or _is_always_zero(other_field) for other_field in other_fields)
@@ -204,11 +204,11 @@ def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, v
     sorted, most significant first.
 
     Raises:
-        NoRecord: The revolutions are not the highest bits of the position.
+        NoMasterSettings: The revolutions are not the highest bits of the position.
     """
     fields = _position_fields(placed_layout, measurement)
-    position_bits = sum(field.width for field in fields)
-    remaining_turn_bits = _turn_bits(measurement, position_bits, variant)
+    position_width = sum(field.width for field in fields)
+    remaining_turn_bits = _turn_bit_count(measurement, position_width, variant)
     turn_bits_by_field: dict[str, int] = {}
     for field in fields:
         turn_bits_of_field = min(field.width, remaining_turn_bits)
@@ -217,25 +217,28 @@ def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, v
     return turn_bits_by_field
 
 
-def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -> int:
+def _turn_bit_count(measurement: Measurement, position_width: int, variant: Variant) -> int:
     """Return how many of the highest bits of the position count revolutions.
 
     The result is 0 for a length, for a single revolution, and if the spec does not give the number of revolutions and
     the counts per revolution are not a power of two.
 
     Raises:
-        NoRecord: There are several revolutions with counts that are not a power of two, so no separate bits count them.
+        NoMasterSettings: There are several revolutions with counts that are not a power of two, so no
+            separate bits count them.
     """
     turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else None
     if measurement.counts_per_turn is None or turns == 1:
         return 0
-    counts = measurement.counts_per_turn.value(variant.parameters)
-    if is_power_of_two(counts):
-        singleturn_bits = (counts - 1).bit_length()
-        return max(position_bits - singleturn_bits, 0)
+    counts_per_turn = measurement.counts_per_turn.value(variant.parameters)
+    if is_power_of_two(counts_per_turn):
+        singleturn_bits = (counts_per_turn - 1).bit_length()
+        return max(position_width - singleturn_bits, 0)
     if turns is None:
         return 0
-    raise NoRecord(f"'{measurement.of}' has {counts} counts per revolution, so no bits of it are the revolutions")
+    raise NoMasterSettings(
+        f"'{measurement.of}' has {counts_per_turn} counts per revolution, so no bits of it are the revolutions"
+    )
 
 
 def _position_parts(field: PlacedField, turn_bits: int) -> Iterator[FramePart]:
@@ -257,11 +260,11 @@ def _active_level(field: Field) -> str:
 
 def parity_of_frame(placed_layout: PlacedLayout, frame_parts: Sequence[FramePart]) -> str:
     """Return ``odd`` or ``even`` if the frame ends with a parity bit over all of its bits, and otherwise ``none``."""
-    kind = placed_layout.fields[-1].field.kind
+    kind_of_last_field = placed_layout.fields[-1].field.kind
     last_part = frame_parts[-1]
-    if last_part.role != "parity" or not isinstance(kind, Parity):
+    if last_part.role != "parity" or not isinstance(kind_of_last_field, Parity):
         return "none"
-    return "odd" if kind.is_odd else "even"
+    return "odd" if kind_of_last_field.is_odd else "even"
 
 
 def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame_parts: Sequence[FramePart]) -> str:
@@ -271,15 +274,16 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
     is added to the position first, and ``other`` if a different set of bits is in Gray code.
     """
     layout = placed_layout.layout
-    for placed_field in placed_layout.find_fields(layout.field_names_of(measurement.of)):
-        if placed_field.field.kind.digit_code:
-            return placed_field.field.kind.digit_code
+    position_fields = _position_fields(placed_layout, measurement)
+    for position_field in position_fields:
+        if position_field.field.kind.digit_code:
+            return position_field.field.kind.digit_code
     # With ``gray_when``, only some order codes use Gray code.
     is_binary_order_code = bool(layout.gray_when) and not placed_layout.gray
     if not layout.gray_of or is_binary_order_code:
         return "binary"
     gray_names = {field.name for field in placed_layout.find_fields(layout.field_names_of(layout.gray_of))}
-    position_names = {field.name for field in placed_layout.find_fields(layout.field_names_of(measurement.of))}
+    position_names = {field.name for field in position_fields}
     if gray_names == position_names:
         return "gray_excess" if placed_layout.gray_excess else "gray"
     status_names = {part.name for part in frame_parts if part.role == "status"}
@@ -288,7 +292,7 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
     return "other"
 
 
-def _bits_of_role(frame_parts: Sequence[FramePart], role: str) -> int:
+def _bit_count_of_role(frame_parts: Sequence[FramePart], role: str) -> int:
     """Return the total number of bits of all parts with this role."""
     return sum(part.bits for part in frame_parts if part.role == role)
 
@@ -300,28 +304,28 @@ def bit_counts(frame_parts: Sequence[FramePart]) -> dict[str, int | None]:
     parity bit.
     """
     roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
-    bits = {role: _bits_of_role(frame_parts, role) for role in roles}
+    bit_count_by_role = {role: _bit_count_of_role(frame_parts, role) for role in roles}
     parts_left = _parts_before_position(frame_parts)
-    padding_left = _bits_of_role(parts_left, "padding")
-    other_left = _bits_of_role(parts_left, "other")
-    position = bits["multiturn"] + bits["singleturn"]
-    data = position + bits["padding"]
+    padding_left = _bit_count_of_role(parts_left, "padding")
+    other_left = _bit_count_of_role(parts_left, "other")
+    position_bits = bit_count_by_role["multiturn"] + bit_count_by_role["singleturn"]
+    data_bits = position_bits + bit_count_by_role["padding"]
     return {
-        "multiturn_bits": bits["multiturn"],
-        "singleturn_bits": bits["singleturn"],
-        "position_bits": position,
+        "multiturn_bits": bit_count_by_role["multiturn"],
+        "singleturn_bits": bit_count_by_role["singleturn"],
+        "position_bits": position_bits,
         "padding_left": padding_left,
-        "padding_right": bits["padding"] - padding_left,
-        "data_bits": data,
-        "status_bits": bits["status"],
-        "data_and_status_bits": data + bits["status"],
-        "crc_bits": bits["crc"],
+        "padding_right": bit_count_by_role["padding"] - padding_left,
+        "data_bits": data_bits,
+        "status_bits": bit_count_by_role["status"],
+        "data_and_status_bits": data_bits + bit_count_by_role["status"],
+        "crc_bits": bit_count_by_role["crc"],
         "other_bits_left": other_left,
-        "other_bits_right": bits["other"] - other_left,
-        "other_bits_after_status": _bits_of_role(_parts_after_status(frame_parts), "other"),
-        "parity_bits": bits["parity"],
-        "bits_without_crc": data + bits["status"] + bits["other"],
-        "frame_bits": data + bits["status"] + bits["crc"] + bits["other"],
+        "other_bits_right": bit_count_by_role["other"] - other_left,
+        "other_bits_after_status": _bit_count_of_role(_parts_after_status(frame_parts), "other"),
+        "parity_bits": bit_count_by_role["parity"],
+        "bits_without_crc": data_bits + bit_count_by_role["status"] + bit_count_by_role["other"],
+        "frame_bits": data_bits + bit_count_by_role["status"] + bit_count_by_role["crc"] + bit_count_by_role["other"],
     }
 
 
@@ -342,16 +346,23 @@ def _parts_after_status(frame_parts: Sequence[FramePart]) -> Sequence[FramePart]
 
 
 #: Names of facts about the computation of the CRC, such as ``crc_polynomial``.
-_CRC_ITEMS = {name for name in NUMBERS if name.startswith("crc_")} - {"crc_bits"}
+_FACTS_ABOUT_CRC = {name for name in NUMBERS if name.startswith("crc_")} - {"crc_bits"}
 #: Names of facts that do not depend on other bits of the frame.
-_ITEMS_OF_ANY_FRAME = {"multiturn_bits", "singleturn_bits", "position_bits", "status_bits", *_CRC_ITEMS, "crc_bits"}
+_FACTS_OF_ANY_FRAME = {
+    "multiturn_bits",
+    "singleturn_bits",
+    "position_bits",
+    "status_bits",
+    *_FACTS_ABOUT_CRC,
+    "crc_bits",
+}
 #: Names of facts that count bits of the frame, such as ``data_bits``, ``padding_left`` and ``other_bits_right``.
-_FRAME_ITEMS = {name for name in NUMBERS if name.endswith("_bits") or "padding" in name or "bits_" in name}
+_FACTS_ABOUT_BITS = {name for name in NUMBERS if name.endswith("_bits") or "padding" in name or "bits_" in name}
 
 
 def depends_on_crc(rules: Any) -> bool:
     """Return whether any rule of a master depends on the parameters of the CRC, such as its polynomial."""
-    return not _CRC_ITEMS.isdisjoint(_mentioned_items(rules))
+    return not _FACTS_ABOUT_CRC.isdisjoint(_mentioned_facts(rules))
 
 
 def depends_on_whole_frame(rule: Mapping[str, Any]) -> bool:
@@ -363,12 +374,12 @@ def depends_on_whole_frame(rule: Mapping[str, Any]) -> bool:
     describes_every_part = "string" in rule
     if describes_every_part:
         return True
-    items_in_value = _mentioned_items({key: rule[key] for key in ("value", "choice") if key in rule})
+    facts_in_value = _mentioned_facts({key: rule[key] for key in ("value", "choice") if key in rule})
     # Names in braces, such as "{data_bits}".
-    items_in_text = set(re.findall(r"\{(\w+)\}", rule.get("text", "")))
-    frame_items = _FRAME_ITEMS & (items_in_value | items_in_text)
-    has_several_items = len(frame_items) > 1
-    return has_several_items or not frame_items <= _ITEMS_OF_ANY_FRAME
+    facts_in_text = set(re.findall(r"\{(\w+)\}", rule.get("text", "")))
+    facts_about_bits = _FACTS_ABOUT_BITS & (facts_in_value | facts_in_text)
+    has_several_facts = len(facts_about_bits) > 1
+    return has_several_facts or not facts_about_bits <= _FACTS_OF_ANY_FRAME
 
 
 def uncovered_parts(rules: Any, frame_parts: Sequence[FramePart]) -> str:
@@ -377,26 +388,26 @@ def uncovered_parts(rules: Any, frame_parts: Sequence[FramePart]) -> str:
     The text, such as ``'parity' and 'reserved'``, is empty if there are none. Unusual parts are parity bits and bits
     with the role ``other``. The description covers one if one of its ``rules`` depends on the number of its bits.
     """
-    parts_and_items = zip(frame_parts, _items_of_parts(frame_parts), strict=True)
+    parts_and_facts = zip(frame_parts, _facts_counting_parts(frame_parts), strict=True)
     # For usual parts, the name of the fact is empty.
-    item_by_uncommon_part = {part.name: item for part, item in parts_and_items if item}
-    if not item_by_uncommon_part:
+    fact_by_uncommon_part = {part.name: fact for part, fact in parts_and_facts if fact}
+    if not fact_by_uncommon_part:
         return ""
-    covered = covered_items(rules)
-    uncovered_names = [name for name, item in item_by_uncommon_part.items() if item not in covered]
+    covered_names = covered_facts(rules)
+    uncovered_names = [name for name, fact in fact_by_uncommon_part.items() if fact not in covered_names]
     return join_words(f"'{name}'" for name in uncovered_names)
 
 
-def covered_items(rules: Any) -> set[str]:
+def covered_facts(rules: Any) -> set[str]:
     """Return the names of the facts about an encoder that the rules of a master cover: ``{"crc_bits", "coding"}``."""
-    covered = _mentioned_items(rules)
+    fact_names = _mentioned_facts(rules)
     # A rule that depends on the kind of parity also covers the parity bit.
-    if "parity" in covered:
-        covered.add("parity_bits")
-    return covered
+    if "parity" in fact_names:
+        fact_names.add("parity_bits")
+    return fact_names
 
 
-def _items_of_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:
+def _facts_counting_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:
     """Yield for each part of a frame the name of the fact that counts its bits, such as ``parity_bits``.
 
     For usual parts, which every master can read, the name is empty.
@@ -413,21 +424,21 @@ def _items_of_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:
             yield ""
 
 
-def _mentioned_items(rule: Any) -> set[str]:
+def _mentioned_facts(rule: Any) -> set[str]:
     """Return the names of the facts about an encoder on which rules depend: ``{"crc_bits", "coding"}``.
 
     ``rule`` is a rule, a list of rules, or any part of one. The names are the values of the keys ``item`` and ``of``,
     and the parameters of expressions under ``value``, at any depth.
     """
-    items: set[str] = set()
+    fact_names: set[str] = set()
     if rule is None or isinstance(rule, (str, bool, int)):
-        return items  # Most calls are for plain values, and the test for Mapping is slow.
+        return fact_names  # Most calls are for plain values, and the test for Mapping is slow.
     if isinstance(rule, (list, tuple)):
         for part_of_rule in rule:
-            items |= _mentioned_items(part_of_rule)
+            fact_names |= _mentioned_facts(part_of_rule)
     elif isinstance(rule, Mapping):
-        items |= _mentioned_items(tuple(rule.values()))
-        items |= {str(rule[key]) for key in ("item", "of") if key in rule}
+        fact_names |= _mentioned_facts(tuple(rule.values()))
+        fact_names |= {str(rule[key]) for key in ("item", "of") if key in rule}
         if isinstance(rule.get("value"), str):
-            items |= set(Expression.parse(rule["value"]).parameters)
-    return items
+            fact_names |= set(Expression.parse(rule["value"]).parameters)
+    return fact_names

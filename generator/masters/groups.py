@@ -14,7 +14,7 @@ from typing import NamedTuple
 from ..model import Device, Interface, Variant, answer_combinations
 from ..model.record import dataclass
 from .encoder_facts import EncoderFacts, Undecided
-from .frame_parts import NoRecord
+from .frame_parts import NoMasterSettings
 from .order_code_facts import facts_of_order_code
 from .sheet import Master, SettingsSheet, sheet
 
@@ -105,7 +105,7 @@ def facts_of_order_codes(device: Device, interface: Interface) -> Iterator[Encod
     codes whose position no master can read are omitted.
     """
     for variant in device.variants_over(interface.name):
-        with suppress(NoRecord):
+        with suppress(NoMasterSettings):
             for code_facts in _facts_by_answers(device, variant):
                 if not code_facts.obstacle:
                     yield code_facts
@@ -117,7 +117,7 @@ def _facts_by_answers(device: Device, variant: Variant) -> Iterator[EncoderFacts
     If its frame depends on no question, they are yielded once.
 
     Raises:
-        NoRecord: There are no master settings for this order code.
+        NoMasterSettings: There are no master settings for this order code.
     """
     try:
         yield facts_of_order_code(device, variant)

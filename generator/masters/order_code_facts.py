@@ -31,7 +31,15 @@ from .encoder_facts import (
     frame_notes,
     split_notes,
 )
-from .frame_parts import FramePart, NoRecord, bit_counts, frame_parts, parity_of_frame, position_coding, rough_parts
+from .frame_parts import (
+    FramePart,
+    NoMasterSettings,
+    bit_counts,
+    frame_parts,
+    parity_of_frame,
+    position_coding,
+    rough_parts,
+)
 
 _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 
@@ -52,11 +60,13 @@ class _PositionFrame:
 
 
 def _notes_on_frame(
-    device: Device, frame: _PositionFrame, parts: Sequence[FramePart], as_delivered: bool
+    device: Device, frame: _PositionFrame, parts_of_frame: Sequence[FramePart], as_delivered: bool
 ) -> Iterator[str]:
     """Yield notes on the frame, on a position in several fields, and on further data channels."""
     placed_layout, measurement = frame.placed_layout, frame.measurement
-    yield from frame_notes(device, placed_layout, parts, position_name=measurement.of, as_delivered=as_delivered)
+    yield from frame_notes(
+        device, placed_layout, parts_of_frame, position_name=measurement.of, as_delivered=as_delivered
+    )
     yield from split_notes(device, placed_layout, measurement, frame.variant)
     yield from channel_notes(frame.interface, placed_layout)
 
@@ -79,24 +89,24 @@ def facts_of_order_code(
 
     Raises:
         Undecided: The frame depends on an answer that is missing.
-        NoRecord: The order code has no BiSS or SSI interface, no frame contains its position, or no clock is known for
-            this cable length.
+        NoMasterSettings: The order code has no BiSS or SSI interface, no frame contains its position, or no clock is
+            known for this cable length.
     """
     frame = _position_frame(device, variant, answers)
     placed_layout = frame.placed_layout
     deciding_alternatives = device.alternatives_of(placed_layout.layout)
     needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding_alternatives}
-    parts, obstacle = _parts_and_obstacle(frame)
+    parts_of_frame, obstacle = _parts_and_obstacle(frame)
     crc_obstacle = _crc_obstacle(device, placed_layout)
-    numbers = _numbers_by_name(frame, parts)
-    cables = cable_table(device, frame.interface, variant.code)
+    numbers = _numbers_by_name(frame, parts_of_frame)
+    table_of_clocks = cable_table(device, frame.interface, variant.code)
     notes = [
         *answer_notes(deciding_alternatives, needed_answers),
-        *clock_notes(numbers, cables, cable_m),
-        *_notes_on_frame(device, frame, parts, as_delivered),
+        *clock_notes(numbers, table_of_clocks, cable_m),
+        *_notes_on_frame(device, frame, parts_of_frame, as_delivered),
     ]
     notes += [reason for reason in (obstacle, crc_obstacle) if reason]
-    facts_without_notes = _facts_for_any_cable(frame, parts, numbers, cables)
+    facts_without_notes = _facts_for_any_cable(frame, parts_of_frame, numbers, table_of_clocks)
     facts_for_any_cable = replace(
         facts_without_notes, notes=tuple(notes), answers=needed_answers, obstacle=obstacle, crc_obstacle=crc_obstacle
     )
@@ -108,18 +118,20 @@ def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]
 
     Raises:
         Undecided: The frame depends on an answer that is missing.
-        NoRecord: The order code has no BiSS or SSI interface, or no frame contains its position.
+        NoMasterSettings: The order code has no BiSS or SSI interface, or no frame contains its position.
     """
     interface = device.interface(variant.interface)
     if not isinstance(interface, (Biss, Ssi)):
-        only = f"there are masters for {Ssi.title} and {Biss.title} only"
-        raise NoRecord(f"{variant.code} has the interface {interface.title}; {only}")
+        supported_interfaces = f"there are masters for {Ssi.title} and {Biss.title} only"
+        raise NoMasterSettings(f"{variant.code} has the interface {interface.title}; {supported_interfaces}")
     measurement = device.measurement_of(variant.interface) or _WITHOUT_UNIT
     placed_layout = _frame_with_position(interface, measurement, with_answers(device, variant, answers))
     deciding_alternatives = device.alternatives_of(placed_layout.layout)
-    missing = [alternative.name for alternative in deciding_alternatives if alternative.name not in answers]
-    if missing:
-        raise Undecided(placed_layout.layout, missing)
+    unanswered_questions = [
+        alternative.name for alternative in deciding_alternatives if alternative.name not in answers
+    ]
+    if unanswered_questions:
+        raise Undecided(placed_layout.layout, unanswered_questions)
     return _PositionFrame(
         device=device,
         variant=variant,
@@ -137,9 +149,9 @@ def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[FramePart, ...], s
     layout = frame.placed_layout.layout
     try:
         if layout.in_bytes:
-            raise NoRecord(f"'{layout.name}' is sent as bytes, but the rules for masters cover frames of bits")
+            raise NoMasterSettings(f"'{layout.name}' is sent as bytes, but the rules for masters cover frames of bits")
         return tuple(frame_parts(frame.placed_layout, frame.measurement, frame.variant)), ""
-    except NoRecord as reason:
+    except NoMasterSettings as reason:
         approximate_parts = tuple(rough_parts(frame.placed_layout, frame.measurement, frame.variant))
         return approximate_parts, f"No master described here can read the position: {reason}."
 
@@ -150,13 +162,13 @@ def _crc_obstacle(device: Device, placed_layout: PlacedLayout) -> str:
     It is empty if masters can check the CRC, and for a frame without a CRC.
     """
     crc = device.crc_of(placed_layout)
-    if crc is None or _is_common_form(device, crc):
+    if crc is None or _can_masters_check(device, crc):
         return ""
     problem = "is not sent most significant bit first, either plain or fully inverted"
     return f"No master described here can check the CRC: '{crc.name}' {problem}."
 
 
-def _is_common_form(device: Device, crc: Crc) -> bool:
+def _can_masters_check(device: Device, crc: Crc) -> bool:
     """Return whether masters can check a CRC: it is sent most significant bit first, either plain or fully inverted.
 
     Its polynomial must also end with + 1, since some masters omit this 1.
@@ -168,7 +180,10 @@ def _is_common_form(device: Device, crc: Crc) -> bool:
 
 
 def _facts_for_any_cable(
-    frame: _PositionFrame, frame_parts: tuple[FramePart, ...], numbers: Mapping[str, int | None], cables: CableTable
+    frame: _PositionFrame,
+    frame_parts: tuple[FramePart, ...],
+    numbers: Mapping[str, int | None],
+    table_of_clocks: CableTable,
 ) -> EncoderFacts:
     """Return the facts about an order code for any cable length, without notes, answers and obstacles for masters."""
     device, interface = frame.device, frame.interface
@@ -179,14 +194,14 @@ def _facts_for_any_cable(
         family=device.name,
         words=_words_by_name(frame, frame_parts, numbers),
         numbers=numbers,
-        parts=frame_parts,
+        frame_parts=frame_parts,
         timeout=timeout_words(timeout) if timeout is not None else "",
-        cables=cables,
-        step=frame.measurement.micrometres(frame.variant.parameters),
-        document=word_for_document(device),
-        channels=frame_channels(interface, frame.placed_layout),
-        layout=frame.placed_layout.name,
-        mentioned={subject: reference_to_mention(device, interface, subject) for subject in Topic},
+        cable_table=table_of_clocks,
+        count_size_um=frame.measurement.micrometres(frame.variant.parameters),
+        document_word=word_for_document(device),
+        other_channels=frame_channels(interface, frame.placed_layout),
+        layout_name=frame.placed_layout.name,
+        mention_by_topic={subject: reference_to_mention(device, interface, subject) for subject in Topic},
         used_hz=clock.used_hz if numbers["clock_max_hz"] is None else (),
     )
 
@@ -198,14 +213,14 @@ def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[FramePart]) ->
     """
     variant = frame.variant
     crc = frame.device.crc_of(frame.placed_layout)
-    widths = bit_counts(frame_parts)
+    bit_count_by_name = bit_counts(frame_parts)
     numbers = (
-        widths
+        bit_count_by_name
         | _crc_numbers(crc)
         | _clock_and_times(frame.interface, variant.code)
         | _supply_voltage(frame.device, variant)
     )
-    numbers |= _measurement_numbers(frame.measurement, variant, widths["multiturn_bits"] or 0)
+    numbers |= _measurement_numbers(frame.measurement, variant, bit_count_by_name["multiturn_bits"] or 0)
     return {name: numbers[name] for name in NUMBERS}
 
 
@@ -245,19 +260,19 @@ def _limit_to_cable(unlimited: EncoderFacts, metres: int) -> EncoderFacts:
     that limits the clock, or None if the encoder limits it.
 
     Raises:
-        NoRecord: The table does not cover this length, or its clock is too low for the encoder.
+        NoMasterSettings: The table does not cover this length, or its clock is too low for the encoder.
     """
-    row = _cable_row(unlimited, metres)
+    cable_row = _cable_row(unlimited, metres)
     slowest_hz, fastest_hz = unlimited.numbers["clock_min_hz"], unlimited.numbers["clock_max_hz"]
     if fastest_hz is None:
-        used_hz = tuple(hz for hz in unlimited.used_hz if hz <= row.highest_hz)
+        used_hz = tuple(hz for hz in unlimited.used_hz if hz <= cable_row.highest_hz)
         return replace(unlimited, cable_m=metres, used_hz=used_hz)
-    highest_hz = min(row.highest_hz, fastest_hz)
+    highest_hz = min(cable_row.highest_hz, fastest_hz)
     if slowest_hz is not None and highest_hz < slowest_hz:
-        table_text = f"the table in {unlimited.cables.origin} has {row.text}"
+        table_text = f"the table in {unlimited.cable_table.origin} has {cable_row.text}"
         need_text = f"the encoder needs at least {hertz(slowest_hz)}"
-        raise NoRecord(f"{unlimited.code}, cable of {metres} m: {table_text}, but {need_text}")
-    limiting_row = row if highest_hz == row.highest_hz else None
+        raise NoMasterSettings(f"{unlimited.code}, cable of {metres} m: {table_text}, but {need_text}")
+    limiting_row = cable_row if highest_hz == cable_row.highest_hz else None
     numbers = {**unlimited.numbers, "clock_max_hz": highest_hz}
     return replace(unlimited, numbers=numbers, cable_m=metres, cable_row=limiting_row)
 
@@ -266,24 +281,24 @@ def _cable_row(unlimited: EncoderFacts, metres: int) -> CableRow:
     """Return the row of the table of clocks that applies to a cable length.
 
     Raises:
-        NoRecord: There is no table, or the cable is longer than all cables in it.
+        NoMasterSettings: There is no table, or the cable is longer than all cables in it.
     """
-    row = unlimited.cables.row_of(metres)
+    row = unlimited.cable_table.row_of(metres)
     if row is not None:
         return row
     cable_text = f"{unlimited.code}, cable of {metres} m"
-    has_table = bool(unlimited.cables.rows)
+    has_table = bool(unlimited.cable_table.rows)
     if not has_table:
-        raise NoRecord(f"{cable_text}: the spec has no table of clocks by cable length")
-    longest = max(table_row.metres for table_row in unlimited.cables.rows)
-    raise NoRecord(f"{cable_text}: the table in {unlimited.cables.origin} ends at {longest} m")
+        raise NoMasterSettings(f"{cable_text}: the spec has no table of clocks by cable length")
+    longest = max(table_row.metres for table_row in unlimited.cable_table.rows)
+    raise NoMasterSettings(f"{cable_text}: the table in {unlimited.cable_table.origin} ends at {longest} m")
 
 
 def _frame_with_position(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
     """Return the frame that contains the position of an order code: the first one if several BiSS channels do.
 
     Raises:
-        NoRecord: No frame contains the position.
+        NoMasterSettings: No frame contains the position.
     """
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
@@ -291,7 +306,7 @@ def _frame_with_position(interface: Interface, measurement: Measurement, variant
         _, position_width = placed_layout.place_of(measurement.of)
         if position_width:
             return placed_layout
-    raise NoRecord(f"no frame of {interface.title} carries '{measurement.of}'")
+    raise NoMasterSettings(f"no frame of {interface.title} carries '{measurement.of}'")
 
 
 def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
@@ -310,16 +325,16 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
     }
 
 
-def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
+def _clock_and_times(interface: Biss | Ssi, order_code: str) -> dict[str, int | None]:
     """Return clock limits and times of an order code by name: ``{"clock_max_hz": 5000000, "pause_us": 20, …}``.
 
     A number that the spec does not give is None.
     """
-    timings = {timing.name: timing for timing in facts_for_code(interface.timings, code)}
-    pause = timings.get("pause")
-    busy = timings.get("busy")
-    clock = interface.clock_of(code)
-    timeout = interface.timeout_of(code) if isinstance(interface, Biss) else None
+    timing_by_name = {timing.name: timing for timing in facts_for_code(interface.timings, order_code)}
+    pause = timing_by_name.get("pause")
+    busy = timing_by_name.get("busy")
+    clock = interface.clock_of(order_code)
+    timeout = interface.timeout_of(order_code) if isinstance(interface, Biss) else None
     return {
         "clock_min_hz": clock.min_hz,
         "clock_max_hz": clock.max_hz,
@@ -362,18 +377,18 @@ def _measurement_numbers(measurement: Measurement, variant: Variant, multiturn_b
 
     A number is None if the spec does not give it, or if the size of a count is not a whole number in the unit.
     """
-    counts = measurement.counts_per_turn
+    counts_per_turn = measurement.counts_per_turn
     turns = measurement.turns
     turn_count = None
     if turns is not None:
         # One register can set fewer multiturn bits than another register needs for its factory default of revolutions.
         turn_count = min(turns.value(variant.parameters), 1 << multiturn_bits)
-    step = measurement.micrometres(variant.parameters)
+    count_size_um = measurement.micrometres(variant.parameters)
     return {
-        "counts_per_turn": counts.value(variant.parameters) if counts is not None else None,
+        "counts_per_turn": counts_per_turn.value(variant.parameters) if counts_per_turn is not None else None,
         "turns": turn_count,
-        "step_um": _whole_number(step, per_um=1),
-        "step_pm": _whole_number(step, per_um=1_000_000),
+        "step_um": _whole_number(count_size_um, per_um=1),
+        "step_pm": _whole_number(count_size_um, per_um=1_000_000),
     }
 
 
@@ -386,17 +401,17 @@ def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_tur
         return "none"
     if counts_per_turn is None or singleturn_bits is None:
         return "unknown"
-    number_of_codes = 1 << singleturn_bits
-    return "all" if counts_per_turn == number_of_codes else "some"
+    code_count = 1 << singleturn_bits
+    return "all" if counts_per_turn == code_count else "some"
 
 
-def _whole_number(step: Fraction | None, per_um: int) -> int | None:
+def _whole_number(length_um: Fraction | None, per_um: int) -> int | None:
     """Convert a length in micrometers to a smaller unit, or return None if it is not a whole number in this unit.
 
     ``per_um`` is the number of these units in a micrometer, such as 1,000,000 for picometers.
     """
-    if step is None:
+    if length_um is None:
         return None
-    length = step * per_um
-    is_whole = length.denominator == 1
-    return int(length) if is_whole else None
+    length_in_unit = length_um * per_um
+    is_whole = length_in_unit.denominator == 1
+    return int(length_in_unit) if is_whole else None

@@ -95,7 +95,7 @@ def places_of(
     ``standing`` says whether the description is documented, derived or tested. ``fill_in`` replaces names in braces by
     facts about the encoder. Locations without such names are cached for each value.
     """
-    depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
+    depends_on_encoder = any("{" in str(location_rule.get("symbol", "")) for location_rule in setting["places"])
     cache_key = (id(setting), value, standing)
     cached_setting, places = _SETTING_AND_PLACES.get(cache_key, (None, ()))
     # The id of a deleted object can be used again.
@@ -103,7 +103,7 @@ def places_of(
     if is_cached:
         return places
     places = _compute_places(setting, value, devices=devices, standing=standing, fill_in=fill_in)
-    if not depends_on_record:
+    if not depends_on_encoder:
         _SETTING_AND_PLACES[cache_key] = setting, places
     return places
 
@@ -122,31 +122,35 @@ def _compute_places(
 ) -> tuple[SettingPlace, ...]:
     """Return the locations of a setting on each device that has it, one for each channel if they differ by channel."""
     places: list[SettingPlace] = []
-    for rule in setting["places"]:
+    for location_rule in setting["places"]:
         for device in devices:
             # Without the key 'on', the location is in all devices.
-            if device.name not in rule.get("on", (device.name,)):
+            if device.name not in location_rule.get("on", (device.name,)):
                 continue
-            channel_count = len(device.channels) if _differs_by_channel(rule) else 1
+            channel_count = len(device.channels) if _differs_by_channel(location_rule) else 1
             for channel_index in range(channel_count):
-                place = _place_on_channel(rule, device, channel_index, value=value, standing=standing, fill_in=fill_in)
+                place = _place_on_channel(
+                    location_rule, device, channel_index, value=value, standing=standing, fill_in=fill_in
+                )
                 places.append(place)
     return tuple(places)
 
 
-def _differs_by_channel(rule: YamlMapping) -> bool:
+def _differs_by_channel(location_rule: YamlMapping) -> bool:
     """Return whether the rule for a location lists a different location for each channel of a device."""
-    return any(isinstance(rule.get(key), list) for key in ("index", "subindex", "symbol", "register", "address"))
+    return any(
+        isinstance(location_rule.get(key), list) for key in ("index", "subindex", "symbol", "register", "address")
+    )
 
 
-def _find_for_channel(rule: YamlMapping, channel_index: int, key: str, default: Any = None) -> Any:
+def _value_for_channel(location_rule: YamlMapping, channel_index: int, key: str, default: Any = None) -> Any:
     """Return the value of a key of a rule, which has either one value or a list with a value for each channel."""
-    value_or_list = rule.get(key, default)
+    value_or_list = location_rule.get(key, default)
     return value_or_list[channel_index] if isinstance(value_or_list, list) else value_or_list
 
 
 def _place_on_channel(
-    rule: YamlMapping,
+    location_rule: YamlMapping,
     device: MasterDevice,
     channel_index: int,
     *,
@@ -158,49 +162,49 @@ def _place_on_channel(
 
     ``fill_in`` replaces names in braces by facts about the encoder.
     """
-    find_for_channel = partial(_find_for_channel, rule, channel_index)
-    kind, type_bits = TYPES.get(rule["type"], ("", None))
+    value_for_channel = partial(_value_for_channel, location_rule, channel_index)
+    kind_of_number, type_bits = TYPES.get(location_rule["type"], ("", None))
     # Without bits such as "5:0", the data type determines their number.
-    high_bit, low_bit = _parse_bits(str(rule.get("at", "")))
-    place_bits = type_bits if high_bit is None or low_bit is None else high_bit - low_bit + 1
-    default = None if rule["default"] == NOT_GIVEN else rule["default"]
+    high_bit, low_bit = _parse_bits(str(location_rule.get("at", "")))
+    bit_count = type_bits if high_bit is None or low_bit is None else high_bit - low_bit + 1
+    default = None if location_rule["default"] == NOT_GIVEN else location_rule["default"]
     return SettingPlace(
         device=device.name,
-        channel=device.channels[channel_index] if _differs_by_channel(rule) else "",
-        index=find_for_channel("index"),
-        subindex=find_for_channel("subindex"),
-        symbol=fill_in(find_for_channel("symbol", "")),
-        register=find_for_channel("register", ""),
-        address=find_for_channel("address"),
+        channel=device.channels[channel_index] if _differs_by_channel(location_rule) else "",
+        index=value_for_channel("index"),
+        subindex=value_for_channel("subindex"),
+        symbol=fill_in(value_for_channel("symbol", "")),
+        register=value_for_channel("register", ""),
+        address=value_for_channel("address"),
         high_bit=high_bit,
         low_bit=low_bit,
-        type=_without_not_given(rule["type"]),
-        kind=kind,
-        bits=place_bits,
-        minimum=rule.get("min"),
-        maximum=rule.get("max"),
-        unit=_without_not_given(rule["unit"]),
+        type=_blank_if_not_given(location_rule["type"]),
+        kind=kind_of_number,
+        bits=bit_count,
+        minimum=location_rule.get("min"),
+        maximum=location_rule.get("max"),
+        unit=_blank_if_not_given(location_rule["unit"]),
         default=default,
         is_default=default is not None and default == value,
-        standing=rule.get("standing", standing),
-        source=rule["source"],
+        standing=location_rule.get("standing", standing),
+        source=location_rule["source"],
     )
 
 
-def _without_not_given(text: str) -> str:
+def _blank_if_not_given(text: str) -> str:
     """Return the text, or an empty string for ``not_given``, the word for facts that no document gives."""
     return "" if text == NOT_GIVEN else text
 
 
-def _parse_bits(text: str) -> tuple[int | None, int | None]:
+def _parse_bits(range_text: str) -> tuple[int | None, int | None]:
     """Parse a bit range such as ``5:0`` or ``6``, and return its highest and its lowest bit.
 
     Both are None if the text is empty.
     """
-    if not text:
+    if not range_text:
         return None, None
-    high, _, low = text.partition(":")
-    return int(high), int(low or high)  # A single bit is both.
+    highest_bit, _, lowest_bit = range_text.partition(":")
+    return int(highest_bit), int(lowest_bit or highest_bit)  # A single bit is both.
 
 
 def place_lines(places: Sequence[SettingPlace], value: str, devices: Sequence[MasterDevice]) -> Iterator[str]:
@@ -209,39 +213,39 @@ def place_lines(places: Sequence[SettingPlace], value: str, devices: Sequence[Ma
     Devices with the same text share a line, which begins with their names unless they are all devices. The factory
     default is in hexadecimal if ``value`` is.
     """
-    devices_by_text: dict[str, list[str]] = {}
+    device_names_by_text: dict[str, list[str]] = {}
     # Adjacent places of a device are its channels.
-    for device, device_places in groupby(places, key=lambda place: place.device):
+    for device_name, device_places in groupby(places, key=lambda place: place.device):
         text = _place_text(list(device_places), in_hex=value.startswith("0x"))
-        devices_by_text.setdefault(text, []).append(device)
-    for text, device_names in devices_by_text.items():
+        device_names_by_text.setdefault(text, []).append(device_name)
+    for text, device_names in device_names_by_text.items():
         are_all_devices = len(device_names) == len(devices)
         yield text if are_all_devices else f"{', '.join(device_names)}: {text}"
 
 
 def _place_text(channel_places: Sequence[SettingPlace], *, in_hex: bool) -> str:
     """Return a location on all channels of one device as text. The channels differ only in their locations."""
-    place = channel_places[0]
+    first_place = channel_places[0]
     location = ", ".join(map(_location_and_channel, channel_places))
-    data_type = place.type.replace("signed_n", "signed n")
-    if place.type == "bits":
-        data_type = count_with_unit(place.bits or 0, "bit")
-    default = _default_text(place.default, in_hex=in_hex)
-    words = [
+    data_type = first_place.type.replace("signed_n", "signed n")
+    if first_place.type == "bits":
+        data_type = count_with_unit(first_place.bits or 0, "bit")
+    default = _default_text(first_place.default, in_hex=in_hex)
+    phrases = [
         location,
         data_type,
-        f"unit {place.unit}" if place.unit not in ("", "none") else "",
-        _range_in_words(place.minimum, place.maximum),
+        f"unit {first_place.unit}" if first_place.unit not in ("", "none") else "",
+        _range_in_words(first_place.minimum, first_place.maximum),
         f"factory default {default}" if default else "",
-        "leave it" if place.is_default else "",
+        "leave it" if first_place.is_default else "",
     ]
-    facts = {"place": location, "data type": data_type, "unit": place.unit, "factory default": default}
-    missing_facts = [name for name, fact in facts.items() if not fact]
+    fact_by_name = {"place": location, "data type": data_type, "unit": first_place.unit, "factory default": default}
+    missing_facts = [name for name, fact in fact_by_name.items() if not fact]
     if missing_facts:
-        words.append(f"{join_words(missing_facts)} not given")
-    mark = " *" if place.standing == "inferred" else ""
-    source = place.source.replace("; ", ", ")
-    return f"{', '.join(filter(None, words))}{mark} [{source}]"
+        phrases.append(f"{join_words(missing_facts)} not given")
+    mark = " *" if first_place.standing == "inferred" else ""
+    source = first_place.source.replace("; ", ", ")
+    return f"{', '.join(filter(None, phrases))}{mark} [{source}]"
 
 
 def _default_text(default: int | bool | str | None, *, in_hex: bool) -> str:
@@ -311,17 +315,17 @@ class WriteCondition:
 
 
 def writing_of(
-    rules: Iterable[YamlMapping], names: Collection[str], *, devices: Sequence[MasterDevice], standing: str
+    rules: Iterable[YamlMapping], setting_names: Collection[str], *, devices: Sequence[MasterDevice], standing: str
 ) -> tuple[WriteCondition, ...]:
     """Return the conditions for writing the settings with these names.
 
     A rule lists its settings under ``of``, or applies to all, and can list other settings to write first under
-    ``after``. It is omitted if none of the settings in one of these lists is in ``names``.
+    ``after``. It is omitted if none of the settings in one of these lists is in ``setting_names``.
     """
     conditions: list[WriteCondition] = []
     for rule in rules:
-        settings = _known_names(rule, "of", names)
-        predecessors = _known_names(rule, "after", names)
+        settings = _known_setting_names(rule, "of", setting_names)
+        predecessors = _known_setting_names(rule, "after", setting_names)
         has_no_setting = "of" in rule and not settings
         has_no_predecessor = "after" in rule and not predecessors
         if has_no_setting or has_no_predecessor:
@@ -333,9 +337,9 @@ def writing_of(
     return tuple(conditions)
 
 
-def _known_names(rule: YamlMapping, key: str, names: Collection[str]) -> tuple[str, ...]:
-    """Return the names that a rule lists under ``key`` and that are also in ``names``."""
-    return tuple(name for name in rule.get(key, ()) if name in names)
+def _known_setting_names(rule: YamlMapping, key: str, setting_names: Collection[str]) -> tuple[str, ...]:
+    """Return the names that a rule lists under ``key`` and that are also in ``setting_names``."""
+    return tuple(name for name in rule.get(key, ()) if name in setting_names)
 
 
 def _write_condition(
@@ -401,14 +405,14 @@ def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) ->
     The next name is always the first one whose predecessors have all been written. Cycles are rejected when a
     description is loaded. Results are cached, since many order codes have the same rules.
     """
-    predecessors = {name: set[str]() for name in names}
+    predecessors_by_name = {name: set[str]() for name in names}
     for ordering in orderings:
         for name in ordering.settings:
-            predecessors[name].update(ordering.after)
+            predecessors_by_name[name].update(ordering.after)
     written_names: list[str] = []
     while len(written_names) < len(names):
         unwritten_names = [name for name in names if name not in written_names]
-        ready_names = [name for name in unwritten_names if predecessors[name].issubset(written_names)]
+        ready_names = [name for name in unwritten_names if predecessors_by_name[name].issubset(written_names)]
         written_names.append(ready_names[0])
     return tuple(written_names)
 

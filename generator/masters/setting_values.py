@@ -36,14 +36,14 @@ class UnknownValue(Exception):
     """A value depends on a number that the spec does not give."""
 
 
-def _unknown_number(number: str, step: Fraction | None = None) -> UnknownValue:
-    """Return the error for a number that the spec does not give. ``number`` is its name, such as ``step_um``.
+def _unknown_number(number_name: str, count_size_um: Fraction | None = None) -> UnknownValue:
+    """Return the error for a number that the spec does not give. ``number_name`` is its name, such as ``step_um``.
 
-    If ``step`` is not None, the size of a count is known, but is not a whole number in the unit of ``number``.
+    If ``count_size_um`` is not None, the size of a count is known, but is not a whole number in the unit of the name.
     """
-    if number in STEPS and step is not None:
-        return UnknownValue(f"one count is {decimal(step)} µm, not a whole number of {STEPS[number]}")
-    return UnknownValue(f"not in the encoder's spec ({NUMBERS[number]})")
+    if number_name in STEPS and count_size_um is not None:
+        return UnknownValue(f"one count is {decimal(count_size_um)} µm, not a whole number of {STEPS[number_name]}")
+    return UnknownValue(f"not in the encoder's spec ({NUMBERS[number_name]})")
 
 
 class UnsupportedFeature(Exception):
@@ -60,8 +60,8 @@ def rule_applies(rule: YamlMapping, facts: EncoderFacts) -> bool:
 
 def _condition_holds(condition: YamlMapping, facts: EncoderFacts) -> bool:
     """Return whether a fact about the encoder is known, and meets a condition."""
-    name = condition["item"]
-    is_known = name in facts.words or facts.numbers[name] is not None
+    fact_name = condition["item"]
+    is_known = fact_name in facts.words or facts.numbers[fact_name] is not None
     return is_known and is_within_limits(condition, facts)
 
 
@@ -71,10 +71,10 @@ def is_within_limits(limit: YamlMapping, facts: EncoderFacts) -> bool:
     A fact that is a word must be in the list ``is``. A number has the limits ``at_least``, ``at_most``, ``one_of`` and
     ``none_of``, all of them optional.
     """
-    name = limit["item"]
-    if name in facts.words:
-        return facts.words[name] in limit["is"]
-    number = facts.numbers[name]
+    fact_name = limit["item"]
+    if fact_name in facts.words:
+        return facts.words[fact_name] in limit["is"]
+    number = facts.numbers[fact_name]
     if number is None:
         return True
     # A limit that is not given defaults to the number itself, which always meets it.
@@ -104,40 +104,40 @@ _COUNTED_BITS: Mapping[str, tuple[str, str]] = {
 }
 
 
-def actual_value(name: str, facts: EncoderFacts) -> str:
+def fact_in_words(fact_name: str, facts: EncoderFacts) -> str:
     """Return a fact about an encoder in words, such as ``Gray code`` or ``4 zero bits before the position``.
 
-    ``name`` is the name of the fact in rules, such as ``coding`` or ``padding_left``.
+    ``fact_name`` is the name of the fact in rules, such as ``coding`` or ``padding_left``.
     """
-    if name in facts.words:
-        return fill_template(WORDS[name][facts.words[name]], facts)
-    number = facts.known_numbers[name]
-    if name in _COUNTED_BITS:
-        bit, place = _COUNTED_BITS[name]
-        return f"{count_with_unit(number, bit)}{place}"
-    if name == "crc_inverted":
+    if fact_name in facts.words:
+        return fill_template(WORDS[fact_name][facts.words[fact_name]], facts)
+    number = facts.known_numbers[fact_name]
+    if fact_name in _COUNTED_BITS:
+        unit, place_in_frame = _COUNTED_BITS[fact_name]
+        return f"{count_with_unit(number, unit)}{place_in_frame}"
+    if fact_name == "crc_inverted":
         return "an inverted CRC" if number else "a plain CRC"
-    if name.startswith("crc_polynomial"):
-        polynomial, _, _ = NUMBERS[name].partition(",")
-        return f"{polynomial}: 0x{number:02X}"
-    return f"{NUMBERS[name]}: {number}"
+    if fact_name.startswith("crc_polynomial"):
+        notation, _, _ = NUMBERS[fact_name].partition(",")
+        return f"{notation}: 0x{number:02X}"
+    return f"{NUMBERS[fact_name]}: {number}"
 
 
 def padding_text(facts: EncoderFacts) -> str:
     """Return the zero bits around the position in words, such as ``4 zero bits before the position``, or ``none``."""
     padding_names = [name for name in ("padding_left", "padding_right") if facts.known_numbers.get(name)]
-    return ", ".join(actual_value(name, facts) for name in padding_names) or "none"
+    return ", ".join(fact_in_words(name, facts) for name in padding_names) or "none"
 
 
-def encoder_has(name: str, facts: EncoderFacts) -> str:
+def sentence_about_encoder(fact_name: str, facts: EncoderFacts) -> str:
     """Return a fact about an encoder as a sentence, such as ``This encoder has 4 zero bits before the position.``"""
-    value = actual_value(name, facts)
-    if name == "frame_bits":
-        return f"This encoder sends frames of {count_with_unit(facts.known_numbers[name], 'bit')}."
-    if name == "movement":
-        return f"This encoder is {value}."
-    is_noun = name in facts.words or name in _COUNTED_BITS or name == "crc_inverted"
-    return f"This encoder has {value}." if is_noun else f"For this encoder: {value}."
+    fact_text = fact_in_words(fact_name, facts)
+    if fact_name == "frame_bits":
+        return f"This encoder sends frames of {count_with_unit(facts.known_numbers[fact_name], 'bit')}."
+    if fact_name == "movement":
+        return f"This encoder is {fact_text}."
+    is_noun = fact_name in facts.words or fact_name in _COUNTED_BITS or fact_name == "crc_inverted"
+    return f"This encoder has {fact_text}." if is_noun else f"For this encoder: {fact_text}."
 
 
 def value_of_setting(rule: YamlMapping, facts: EncoderFacts) -> ValueOfSetting:
@@ -185,7 +185,7 @@ def _evaluate_expression(
     expression = Expression.parse(value)
     for parameter in expression.parameters:
         if facts.numbers[parameter] is None:
-            raise _unknown_number(parameter, facts.step)
+            raise _unknown_number(parameter, facts.count_size_um)
     error = UnsupportedFeature(f"{setting_name} would be {expression.render()}, which cannot be set")
     try:
         number = expression.value(facts.known_numbers)
@@ -208,12 +208,12 @@ def _choose_value(rule: YamlMapping, facts: EncoderFacts) -> int | str:
     fact_name = rule["choice"]["of"]
     encoder_value = facts.words.get(fact_name, facts.numbers.get(fact_name))
     if encoder_value is None:
-        raise _unknown_number(fact_name, facts.step)
+        raise _unknown_number(fact_name, facts.count_size_um)
     for case in rule["choice"]["cases"]:
         if case["is"] == encoder_value:
             setting_value: int | str = case["set"]
             return setting_value
-    raise UnsupportedFeature(f"{rule['name']} has no value for {actual_value(fact_name, facts)}")
+    raise UnsupportedFeature(f"{rule['name']} has no value for {fact_in_words(fact_name, facts)}")
 
 
 def _is_highest_clock_known(facts: EncoderFacts) -> bool:
@@ -261,11 +261,12 @@ def best_listed_clock(rule: YamlMapping, facts: EncoderFacts) -> YamlMapping:
     slowest_hz, fastest_hz = _clock_limits_hz(facts)
     supported_clocks = [clock for clock in rule["clocks"] if slowest_hz <= clock["hz"] <= fastest_hz]
     if not supported_clocks:
-        with_cable = f" with a cable of {facts.cable_m} m" if facts.cable_m is not None else ""
-        slowest = hertz(slowest_hz)
-        fastest = _fastest_clock_text(facts)
+        cable_text = f" with a cable of {facts.cable_m} m" if facts.cable_m is not None else ""
+        slowest_text = hertz(slowest_hz)
+        fastest_text = _fastest_clock_text(facts)
         raise UnsupportedFeature(
-            f"{rule['name']}: no clock is between {slowest} and {fastest}, the limits of the encoder{with_cable}"
+            f"{rule['name']}: no clock is between {slowest_text} and {fastest_text}, "
+            f"the limits of the encoder{cable_text}"
         )
     return _fastest_of(supported_clocks)
 
@@ -277,9 +278,9 @@ def _fastest_of(clocks: Sequence[YamlMapping]) -> YamlMapping:
 
 def _fastest_clock_text(facts: EncoderFacts) -> str:
     """Return the highest clock of the encoder in words, as printed in the table of cable lengths if that limits it."""
-    row = facts.cable_row
-    if row is not None:
-        return hertz(row.hz)
+    cable_row = facts.cable_row
+    if cable_row is not None:
+        return hertz(cable_row.hz)
     return hertz(facts.known_numbers["clock_max_hz"])
 
 
@@ -292,12 +293,14 @@ def _selectable_clock(clock_rule: YamlMapping, facts: EncoderFacts) -> ValueOfSe
     bound = "at_most" if _is_highest_clock_known(facts) else START_WITH
     cable_row = facts.cable_row
     # The table of cable lengths may give an exclusive limit. It is shown as printed.
-    if cable_row is not None and cable_row.is_below:
-        is_limited_by_cable = clock_hz == cable_row.highest_hz
-        if is_limited_by_cable:
-            clock_hz = cable_row.hz
-            bound = "below"
-    unit = clock_rule["unit"]
+    if cable_row is not None and cable_row.is_below and clock_hz == cable_row.highest_hz:
+        clock_hz = cable_row.hz
+        bound = "below"
+    return _clock_in_unit(clock_hz, clock_rule["unit"], bound)
+
+
+def _clock_in_unit(clock_hz: int, unit: str, bound: str) -> ValueOfSetting:
+    """Return a clock as a number in this unit, or in Hz if that is not a unit of frequency."""
     if unit not in _HZ_BY_UNIT:
         return ValueOfSetting(clock_hz, text=hertz(clock_hz), bound=bound)
     hz_per_unit = _HZ_BY_UNIT[unit]
@@ -319,38 +322,36 @@ def best_selectable_clock(clock_rule: YamlMapping, facts: EncoderFacts) -> int:
         UnknownValue: The highest clock is unknown, and the master supports none of the clocks that are known to work.
         UnsupportedFeature: No clock is within the limits of both.
     """
-    lowest_of_master = clock_rule.get("at_least_hz", 0)
-    highest_of_master = clock_rule.get("at_most_hz", math.inf)
-    used_clocks = [clock_hz for clock_hz in facts.used_hz if lowest_of_master <= clock_hz <= highest_of_master]
-    if used_clocks:
-        return max(used_clocks)
+    slowest_of_master = clock_rule.get("at_least_hz", 0)
+    fastest_of_master = clock_rule.get("at_most_hz", math.inf)
+    usable_clocks = [clock_hz for clock_hz in facts.used_hz if slowest_of_master <= clock_hz <= fastest_of_master]
+    if usable_clocks:
+        return max(usable_clocks)
     slowest_of_encoder, fastest_of_encoder = _clock_limits_hz(facts)
-    best_hz = int(min(fastest_of_encoder, highest_of_master))
-    if best_hz < max(slowest_of_encoder, lowest_of_master):
-        supported_clocks = f"at least {hertz(lowest_of_master)}"
-        if highest_of_master < slowest_of_encoder:
-            supported_clocks = f"at most {hertz(highest_of_master)}"
-        needed_clocks = f"{hertz(slowest_of_encoder)} to {_fastest_clock_text(facts)}"
-        raise UnsupportedFeature(
-            f"The master supports clocks of {supported_clocks}, but the encoder needs {needed_clocks}"
-        )
+    best_hz = int(min(fastest_of_encoder, fastest_of_master))
+    if best_hz < max(slowest_of_encoder, slowest_of_master):
+        supported_text = f"at least {hertz(slowest_of_master)}"
+        if fastest_of_master < slowest_of_encoder:
+            supported_text = f"at most {hertz(fastest_of_master)}"
+        needed_text = f"{hertz(slowest_of_encoder)} to {_fastest_clock_text(facts)}"
+        raise UnsupportedFeature(f"The master supports clocks of {supported_text}, but the encoder needs {needed_text}")
     return best_hz
 
 
-def _fill_known_template(text: str, facts: EncoderFacts) -> str:
+def _fill_known_template(template: str, facts: EncoderFacts) -> str:
     """Return a text in which names in braces, such as ``{data_bits}``, are replaced by facts about the encoder.
 
     Raises:
         UnknownValue: The spec does not give one of these facts.
     """
-    for name in NUMBERS:
-        is_in_text = f"{{{name}}}" in text
-        is_known = facts.numbers[name] is not None
+    for fact_name in NUMBERS:
+        is_in_text = f"{{{fact_name}}}" in template
+        is_known = facts.numbers[fact_name] is not None
         # fill_template() can also write a size of a count that is not a whole number of micrometers.
-        is_known_step = name == "step_um" and bool(facts.step)
+        is_known_step = fact_name == "step_um" and bool(facts.count_size_um)
         if is_in_text and not is_known and not is_known_step:
-            raise _unknown_number(name, facts.step)
-    return fill_template(text, facts)
+            raise _unknown_number(fact_name, facts.count_size_um)
+    return fill_template(template, facts)
 
 
 def fill_template(text: str, facts: EncoderFacts) -> str:
@@ -360,12 +361,12 @@ def fill_template(text: str, facts: EncoderFacts) -> str:
     """
     if "{" not in text:
         return text
-    if facts.step is not None:
-        text = text.replace("{step_um}", decimal(facts.step))
-    value_by_name = {**facts.words, **facts.numbers}
-    for name, value in value_by_name.items():
-        name_in_braces = f"{{{name}}}"
-        text = text.replace(name_in_braces, "unknown" if value is None else str(value))
+    if facts.count_size_um is not None:
+        text = text.replace("{step_um}", decimal(facts.count_size_um))
+    fact_by_name = {**facts.words, **facts.numbers}
+    for fact_name, fact in fact_by_name.items():
+        name_in_braces = f"{{{fact_name}}}"
+        text = text.replace(name_in_braces, "unknown" if fact is None else str(fact))
     return text
 
 
@@ -379,11 +380,7 @@ def _field_texts(rule: YamlMapping, setting_name: str, facts: EncoderFacts) -> I
         UnknownValue: A template needs a number that the spec does not give.
         UnsupportedFeature: There is no template for a kind.
     """
-    # The first template for a kind that applies to the encoder is used.
-    template_by_kind: dict[str, str] = {}
-    for field_rule in rule["fields"]:
-        if rule_applies(field_rule, facts):
-            template_by_kind.setdefault(field_rule["of"], field_rule["text"])
+    template_by_kind = _template_by_part_kind(rule, facts)
     yield _fill_known_template(rule.get("start", ""), facts)
     has_whole_position = "position" in template_by_kind
     frame_parts = _with_whole_position(facts) if has_whole_position else _with_two_parts_of_position(facts)
@@ -391,22 +388,34 @@ def _field_texts(rule: YamlMapping, setting_name: str, facts: EncoderFacts) -> I
     if rule["first"] != "sent_first":
         frame_parts = frame_parts[::-1]
     for frame_part in frame_parts:
-        part_kind = frame_part.role
-        if frame_part.role == "status":
-            # A status bit that never changes counts as active low.
-            part_kind = f"status_active_{frame_part.active or 'low'}"
+        part_kind = _kind_of_part(frame_part)
         if part_kind not in template_by_kind:
             setting_title = fill_template(setting_name, facts)
             raise UnsupportedFeature(f"{setting_title} cannot express '{frame_part.name}'")
-        part_text = template_by_kind[part_kind].replace("{bits}", str(frame_part.bits))
-        part_text = part_text.replace("{name}", frame_part.name)
-        yield _fill_known_template(part_text, facts)
+        text_of_part = template_by_kind[part_kind].replace("{bits}", str(frame_part.bits))
+        text_of_part = text_of_part.replace("{name}", frame_part.name)
+        yield _fill_known_template(text_of_part, facts)
+
+
+def _template_by_part_kind(rule: YamlMapping, facts: EncoderFacts) -> dict[str, str]:
+    """Return the first template for each kind of part that applies to the encoder."""
+    template_by_kind: dict[str, str] = {}
+    for field_rule in rule["fields"]:
+        if rule_applies(field_rule, facts):
+            template_by_kind.setdefault(field_rule["of"], field_rule["text"])
+    return template_by_kind
+
+
+def _kind_of_part(frame_part: FramePart) -> str:
+    """Return the kind by which a part of the frame is described: its role, and for a status bit also its level."""
+    # A status bit that never changes counts as active low.
+    return f"status_active_{frame_part.active or 'low'}" if frame_part.role == "status" else frame_part.role
 
 
 def _with_whole_position(facts: EncoderFacts) -> Sequence[FramePart]:
     """Return the parts of the frame, with all bits of the position as one part."""
     parts: list[FramePart] = []
-    for part in facts.parts:
+    for part in facts.frame_parts:
         is_of_position = part.role in ("multiturn", "singleturn")
         parts.append(replace(part, role="position") if is_of_position else part)
     return _merge_adjacent_parts(parts, ("position",))
@@ -414,7 +423,7 @@ def _with_whole_position(facts: EncoderFacts) -> Sequence[FramePart]:
 
 def _with_two_parts_of_position(facts: EncoderFacts) -> Sequence[FramePart]:
     """Return the parts of the frame, with all multiturn bits as one part, and all singleturn bits as one part."""
-    return _merge_adjacent_parts(facts.parts, ("multiturn", "singleturn"))
+    return _merge_adjacent_parts(facts.frame_parts, ("multiturn", "singleturn"))
 
 
 def _merge_adjacent_parts(frame_parts: Sequence[FramePart], roles: Collection[str]) -> Sequence[FramePart]:

@@ -27,10 +27,10 @@ from .setting_values import (
     YamlMapping,
     best_listed_clock,
     best_selectable_clock,
-    encoder_has,
     fill_template,
     is_within_limits,
     rule_applies,
+    sentence_about_encoder,
     value_of_setting,
 )
 
@@ -138,11 +138,11 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Proble
         The masters, valid only if the report is empty, and the report.
     """
     report = ProblemReport()
-    masters: dict[str, Master] = {}
+    master_by_name: dict[str, Master] = {}
     # The user's masters are loaded last, so they replace those of the package. Names within a group must be unique.
-    for group in ([packaged_masters()], paths):
+    for paths_of_group in ([packaged_masters()], paths):
         group_names: set[str] = set()
-        for document in read_specs(group, report):
+        for document in read_specs(paths_of_group, report):
             description = check_document(document, report)
             if description is None:  # The report contains its problems.
                 continue
@@ -154,8 +154,8 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Proble
             if name in group_names:
                 report.add("duplicate-name", document, ("master",), f"there is another description of '{name}'")
             group_names.add(name)
-            masters[name] = _master_from_spec(description)
-    return tuple(sorted(masters.values(), key=lambda master: master.title.lower())), report
+            master_by_name[name] = _master_from_spec(description)
+    return tuple(sorted(master_by_name.values(), key=lambda master: master.title.lower())), report
 
 
 @functools.cache
@@ -200,9 +200,9 @@ def sheet(master: Master, facts: EncoderFacts) -> SettingsSheet:
         return replace(refusing_sheet, is_described=False)
     if facts.obstacle:
         return _refusing_sheet(master, MasterRefusal(reason=facts.obstacle, standing="inferred", source=""))
-    # A text with the parts of the frame that the description does not cover, or empty.
-    uncovered = uncovered_parts((master.limits, master.settings, master.notes), facts.parts)
-    settings, device_refusals = _settings_and_device_refusals(master, facts, uncovered)
+    # The parts of the frame that the description does not cover, or empty.
+    uncovered_text = uncovered_parts((master.limits, master.settings, master.notes), facts.frame_parts)
+    settings, device_refusals = _settings_and_device_refusals(master, facts, uncovered_text)
     unusable_devices: set[str] = set()
     for _, refusing_devices in device_refusals:
         unusable_devices |= refusing_devices
@@ -225,7 +225,7 @@ def sheet(master: Master, facts: EncoderFacts) -> SettingsSheet:
         notes=(*device_notes, *_notes_of_master(master, facts)),
         writing=writing_of(writing_rules, setting_names, devices=master.devices, standing=master.standing),
         unusable_devices=frozenset(unusable_devices),
-        gaps=tuple(_gaps_in_description(master, facts, uncovered)),
+        gaps=tuple(_gaps_in_description(master, facts, uncovered_text)),
     )
 
 
@@ -236,29 +236,29 @@ def _refusals_of_order_code(master: Master, facts: EncoderFacts) -> Iterator[Mas
             yield _limit_refusal(rule, master, facts)
     yield from _refusals_of_crc(master, facts)
     reads_single_channel = not master.several_channels
-    channel_refusal = facts.channels.refusal(facts.layout) if reads_single_channel else ""
+    channel_refusal = facts.other_channels.refusal(facts.layout_name) if reads_single_channel else ""
     if channel_refusal:
         yield MasterRefusal(reason=channel_refusal, standing="inferred", source="")
 
 
 def _notes_of_master(master: Master, facts: EncoderFacts) -> Iterator[str]:
     """Yield the notes of a master that apply to an order code, first about several data channels in its frame."""
-    if facts.channels and master.several_channels:
+    if facts.other_channels and master.several_channels:
         yield master.several_channels
     for note in master.notes:
         if rule_applies(note, facts):
             yield fill_template(note["text"], facts)
 
 
-def _gaps_in_description(master: Master, facts: EncoderFacts, uncovered: str) -> Iterator[MasterRefusal]:
+def _gaps_in_description(master: Master, facts: EncoderFacts, uncovered_text: str) -> Iterator[MasterRefusal]:
     """Yield statements about parts of the frame that a master's description does not cover.
 
-    ``uncovered`` is a text with unusual bits of the frame, or empty. Other data channels in the frame are also parts.
+    ``uncovered_text`` lists unusual bits of the frame, or is empty. Other data channels in the frame are also parts.
     """
-    if uncovered:
-        yield _refusal_of_gap(uncovered)
-    if facts.channels and not master.several_channels:
-        yield MasterRefusal(reason=facts.channels.gap, standing="inferred", source="")
+    if uncovered_text:
+        yield _refusal_of_gap(uncovered_text)
+    if facts.other_channels and not master.several_channels:
+        yield MasterRefusal(reason=facts.other_channels.gap, standing="inferred", source="")
 
 
 def _refusing_sheet(master: Master, *refusals: MasterRefusal) -> SettingsSheet:
@@ -275,12 +275,12 @@ def _interface_refusal(master: Master, facts: EncoderFacts) -> MasterRefusal:
 
 
 def _settings_and_device_refusals(
-    master: Master, facts: EncoderFacts, uncovered: str
+    master: Master, facts: EncoderFacts, uncovered_text: str
 ) -> tuple[list[Setting], list[tuple[MasterRefusal, set[str]]]]:
     """Return the settings of a master for an order code, and the settings that have no value for it.
 
     For each of the latter, return a refusal, and the devices that have this setting and therefore cannot use the order
-    code. ``uncovered`` is a text with the parts of the frame that the description does not cover. If it is not empty,
+    code. ``uncovered_text`` lists the parts of the frame that the description does not cover. If it is not empty,
     settings that depend on the whole frame are unknown.
     """
     settings: list[Setting] = []
@@ -289,8 +289,8 @@ def _settings_and_device_refusals(
         if not rule_applies(rule, facts):
             continue
         try:
-            unknown_parts = uncovered if depends_on_whole_frame(rule) else ""
-            settings.append(_setting_of_rule(rule, master, facts, unknown_parts))
+            unknown_parts_text = uncovered_text if depends_on_whole_frame(rule) else ""
+            settings.append(_setting_of_rule(rule, master, facts, unknown_parts_text))
         except UnsupportedFeature as reason:
             standing = rule.get("standing", master.standing)
             refusal = MasterRefusal(reason=f"{reason}.", standing=standing, source=rule["source"])
@@ -300,14 +300,14 @@ def _settings_and_device_refusals(
 
 def _limit_refusal(rule: YamlMapping, master: Master, facts: EncoderFacts) -> MasterRefusal:
     """Return the refusal for a limit of a master that the order code does not meet."""
-    reason = f"{rule['reason']} {encoder_has(rule['item'], facts)}"
+    reason = f"{rule['reason']} {sentence_about_encoder(rule['item'], facts)}"
     return MasterRefusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
 
 
 def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[MasterRefusal]:
     """Yield a refusal for each setting whose value is too large or too small for its location in the master."""
     for setting in settings:
-        reason = reason_for_misfit(setting.name, setting.value, setting.places)
+        reason = misfit_message(setting.name, setting.value, setting.places)
         if reason:
             yield MasterRefusal(reason=f"{reason}.", standing=setting.standing, source=setting.source)
 
@@ -322,9 +322,9 @@ def _refusals_of_crc(master: Master, facts: EncoderFacts) -> Iterator[MasterRefu
         yield MasterRefusal(reason=facts.crc_obstacle, standing="inferred", source="")
 
 
-def _refusal_of_gap(uncovered: str) -> MasterRefusal:
+def _refusal_of_gap(uncovered_text: str) -> MasterRefusal:
     """Return the statement that a master's description does not cover these parts of the frame."""
-    reason = f"The description of this master does not say how it handles {uncovered} in the frame."
+    reason = f"The description of this master does not say how it handles {uncovered_text} in the frame."
     return MasterRefusal(reason=reason, standing="inferred", source="")
 
 
@@ -349,18 +349,18 @@ def _with_setting_names(rule: YamlMapping, facts: EncoderFacts) -> YamlMapping:
     return named_rule
 
 
-def _setting_of_rule(rule: YamlMapping, master: Master, facts: EncoderFacts, unknown_parts: str) -> Setting:
+def _setting_of_rule(rule: YamlMapping, master: Master, facts: EncoderFacts, unknown_parts_text: str) -> Setting:
     """Return one setting of a master for an order code.
 
-    Its value is None if the spec does not give a number that it needs, or if it depends on ``unknown_parts``: a text
-    with parts of the frame that the description does not cover, or empty.
+    Its value is None if the spec does not give a number that it needs, or if ``unknown_parts_text`` is not empty. This
+    text lists the parts of the frame that it depends on, but that the description does not cover.
 
     Raises:
         UnsupportedFeature: The master offers no value for it.
     """
     try:
-        if unknown_parts:
-            raise UnknownValue(f"it depends on how the master handles {unknown_parts}")
+        if unknown_parts_text:
+            raise UnknownValue(f"it depends on how the master handles {unknown_parts_text}")
         value, text, bound = value_of_setting(rule, facts)
     except UnknownValue as reason:
         value = None
@@ -402,13 +402,13 @@ def _cable_note(rule: YamlMapping, value: int | bool | str | None, facts: Encode
     if value is None or facts.cable_m is not None:
         return ""
     if "clocks" in rule:
-        return facts.cables.about(best_listed_clock(rule, facts)["hz"])
+        return facts.cable_table.sentence_on_clock(best_listed_clock(rule, facts)["hz"])
     if "any_clock" in rule:
-        return facts.cables.about(best_selectable_clock(rule["any_clock"], facts))
+        return facts.cable_table.sentence_on_clock(best_selectable_clock(rule["any_clock"], facts))
     return ""
 
 
-def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[SettingPlace]) -> str:
+def misfit_message(name: str, value: int | bool | str | None, places: Sequence[SettingPlace]) -> str:
     """Return an error message if a number does not fit in one of its locations, or an empty string.
 
     The message is, for example, ``Bits would be 70, but it is at most 63``. Texts always fit.
@@ -426,8 +426,8 @@ def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequenc
 
 def _highest_value(place: SettingPlace) -> int | None:
     """Return the highest number that fits in the range and the bits of a location, or None if there is no limit."""
-    limits = [] if place.maximum is None else [place.maximum]
+    upper_limits = [] if place.maximum is None else [place.maximum]
     if place.kind == "unsigned" and place.bits is not None:
         all_ones = (1 << place.bits) - 1
-        limits.append(all_ones)
-    return min(limits, default=None)
+        upper_limits.append(all_ones)
+    return min(upper_limits, default=None)

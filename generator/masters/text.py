@@ -13,7 +13,7 @@ from ..model import INTERFACES, Biss, Device
 from ..model.kinds import DIGIT_CODES
 from ..order_codes.labels import LabelMatch
 from ..say import WIDTH, two_columns, wrap_text
-from ..say.names_and_evidence import Topic, grade_below_manual, origin
+from ..say.names_and_evidence import Topic, differences_from_manual, grade_below_manual
 from ..say.order_code import clocks_in_use
 from ..say.text import PLAIN_STYLE, hertz, time_text, volts
 from .encoder_facts import EncoderFacts
@@ -42,7 +42,7 @@ def facts_in_words(facts: EncoderFacts) -> Iterator[tuple[str, str]]:
     yield "Interface", INTERFACES[facts.words["interface"]].title
     yield from _frame_facts(facts)
     yield "Clock", _clock_limits_text(facts)
-    if facts.cables.rows:
+    if facts.cable_table.rows:
         yield "Clock by cable", _cable_table_text(facts)
     if INTERFACES[facts.words["interface"]] is Biss:
         yield "Timeout", facts.timeout or _not_stated_text(facts, Topic.TIMEOUT)
@@ -64,11 +64,11 @@ def _frame_facts(facts: EncoderFacts) -> Iterator[tuple[str, str]]:
     yield "Position bits", position_text
     yield "Padding", padding_text(facts)
     yield "Status bits", _status_bits_text(facts)
-    other_parts = [part.name for part in facts.parts if part.role == "other"]
+    other_parts = [part.name for part in facts.frame_parts if part.role == "other"]
     if other_parts:
         yield "Other bits", ", ".join(other_parts)
     yield "Data bits", _data_bits_text(facts)
-    parts_text = ", ".join(f"{part.name} {part.bits}" for part in facts.parts)
+    parts_text = ", ".join(f"{part.name} {part.bits}" for part in facts.frame_parts)
     yield "Order", f"{parts_text}, most significant bit first"
     yield "Code", CODINGS_IN_WORDS[facts.words["coding"]]
     yield "CRC", _crc_text(facts)
@@ -84,16 +84,16 @@ def _clock_limits_text(facts: EncoderFacts) -> str:
     """
     slowest_hz = facts.numbers["clock_min_hz"]
     fastest_hz = facts.numbers["clock_max_hz"]
-    row = facts.cable_row
-    limits: list[str] = []
+    cable_row = facts.cable_row
+    limit_texts: list[str] = []
     if slowest_hz is not None:
-        limits.append(f"at least {hertz(slowest_hz)}")
-    if row is not None and row.is_below:
-        limits.append(f"below {hertz(row.hz)}")
+        limit_texts.append(f"at least {hertz(slowest_hz)}")
+    if cable_row is not None and cable_row.is_below:
+        limit_texts.append(f"below {hertz(cable_row.hz)}")
     elif fastest_hz is not None:
-        limits.append(f"at most {hertz(fastest_hz)}")
-    if limits:
-        return ", ".join(limits)
+        limit_texts.append(f"at most {hertz(fastest_hz)}")
+    if limit_texts:
+        return ", ".join(limit_texts)
     if facts.used_hz:
         return f"{_not_stated_text(facts)}, {clocks_in_use(facts.used_hz)}"
     return _not_stated_text(facts)
@@ -101,13 +101,13 @@ def _clock_limits_text(facts: EncoderFacts) -> str:
 
 def _not_stated_text(facts: EncoderFacts, subject: Topic | None = None) -> str:
     """Return the words for a fact that the manual does not give, or a reference to a text that mentions the subject."""
-    reference = facts.mentioned[subject] if subject is not None else ""
-    return reference or f"the {facts.document} does not say"
+    reference = facts.mention_by_topic[subject] if subject is not None else ""
+    return reference or f"the {facts.document_word} does not say"
 
 
 def _cable_table_text(facts: EncoderFacts) -> str:
     """Return the table of clocks by cable length in words, with its source, its errata, and the user's cable length."""
-    table = facts.cables
+    table = facts.cable_table
     rows_text = ", ".join(row.text for row in table.rows)
     errata_text = f", errata {', '.join(table.errata)}" if table.errata else ""
     text = f"{rows_text} (table in {table.origin}{errata_text})"
@@ -132,7 +132,7 @@ def _time_limit_text(time_us: int | None, bound: str) -> str:
 def _status_bits_text(facts: EncoderFacts) -> str:
     """Return the status bits with their active levels, such as ``error (active low)``, or ``none``."""
     level_words = {"low": "active low", "high": "active high", "": "always 1"}
-    status_parts = [part for part in facts.parts if part.role == "status"]
+    status_parts = [part for part in facts.frame_parts if part.role == "status"]
     texts = [f"{part.name} ({level_words[part.active]})" for part in status_parts]
     return ", ".join(texts) or "none"
 
@@ -174,18 +174,18 @@ def legend_of_marks(masters: Sequence[Master], sheets: Sequence[SettingsSheet], 
 
     ``with_places`` is true if the locations of settings in the master, which also have marks, are shown.
     """
-    standings = {master.standing for master in masters}
+    standings_on_sheets = {master.standing for master in masters}
     for sheet in sheets:
         refusals = (*sheet.refusals, *sheet.gaps)
         rules: tuple[Setting | WriteCondition | MasterRefusal, ...] = (*sheet.settings, *sheet.writing, *refusals)
-        standings |= {rule.standing for rule in rules}
+        standings_on_sheets |= {rule.standing for rule in rules}
         if with_places:
             for setting in sheet.settings:
-                standings |= {place.standing for place in setting.places}
+                standings_on_sheets |= {place.standing for place in setting.places}
     sentences = ["Settings from the documentation of each master."]
-    if "inferred" in standings:
+    if "inferred" in standings_on_sheets:
         sentences.append("* = derived, not stated there.")
-    if "tried" in standings:
+    if "tried" in standings_on_sheets:
         sentences.append("+ = tested on hardware. All others are not yet tested.")
     else:
         sentences.append("Not yet tested on hardware.")
@@ -299,7 +299,7 @@ def _lines_of_facts(device: Device, code_match: LabelMatch, facts: EncoderFacts)
     if code_match.unlisted:
         unlisted_parts = ", ".join(code_match.unlisted)
         lines.append(wrap_text(f"accepted, although not listed in the manual: {unlisted_parts}", WIDTH, prefix="  "))
-    statements = (*grade_below_manual(device), *origin(device))
+    statements = (*grade_below_manual(device), *differences_from_manual(device))
     lines += [wrap_text(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ") for statement in statements]
     if code_match.special:
         lines.append(wrap_text("A code that ends in /Sxxx may differ from the manual.", WIDTH, prefix="  "))
@@ -421,12 +421,12 @@ def _data_of_facts(facts: EncoderFacts) -> dict[str, Any]:
         **facts.words,
         **facts.numbers,
         "clock_used_hz": list(facts.used_hz),
-        "frame": [asdict(part) for part in facts.parts],
+        "frame": [asdict(part) for part in facts.frame_parts],
         "timeout": facts.timeout,
         "cable_m": facts.cable_m,
-        "cable_lengths": [asdict(row) for row in facts.cables.rows],
-        "cable_lengths_from": facts.cables.origin if facts.cables.rows else "",
-        "cable_errata": list(facts.cables.errata),
+        "cable_lengths": [asdict(row) for row in facts.cable_table.rows],
+        "cable_lengths_from": facts.cable_table.origin if facts.cable_table.rows else "",
+        "cable_errata": list(facts.cable_table.errata),
         "notes": list(facts.notes),
     }
 

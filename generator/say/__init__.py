@@ -28,14 +28,14 @@ def decimal(value: Fraction) -> str:
     If its decimals never end, return six of them, with ``≈`` in front of the number.
     """
     exact_decimals = _number_of_decimals(value)
-    decimals = _ROUNDED_DECIMALS if exact_decimals is None else exact_decimals
+    decimal_count = _ROUNDED_DECIMALS if exact_decimals is None else exact_decimals
     # As a whole number of the last decimal: 12345 for 1234.5 with one decimal.
-    shifted_value = round(abs(value) * 10**decimals)
-    whole_number, fraction = divmod(shifted_value, 10**decimals)
+    value_in_last_decimal = round(abs(value) * 10**decimal_count)
+    whole_number, fraction = divmod(value_in_last_decimal, 10**decimal_count)
     sign = "-" if value < 0 else ""
     decimal_text = f"{sign}{whole_number:,}"
-    if decimals:
-        decimal_text += f".{fraction:0{decimals}}"
+    if decimal_count:
+        decimal_text += f".{fraction:0{decimal_count}}"
     return f"≈ {decimal_text}" if exact_decimals is None else decimal_text
 
 
@@ -92,20 +92,20 @@ def _is_power_of_ten(number: int) -> bool:
 
 def _divided_by_power_of_ten(number: int, power_of_ten: int) -> str:
     """Return a number divided by a power of ten as a decimal without trailing zeros: 2776 by 1000 is ``2.776``."""
-    decimals = len(str(power_of_ten)) - len("1")
+    decimal_count = len(str(power_of_ten)) - len("1")
     # Leading zeros make sure that at least one digit is before the point.
-    digits = f"{number:0{decimals + 1}}"
-    point = len(digits) - decimals
-    return f"{digits[:point]}.{digits[point:]}".rstrip("0").rstrip(".")
+    digits = f"{number:0{decimal_count + 1}}"
+    position_of_point = len(digits) - decimal_count
+    return f"{digits[:position_of_point]}.{digits[position_of_point:]}".rstrip("0").rstrip(".")
 
 
 def _number_of_decimals(value: Fraction) -> int | None:
     """Return how many decimals a number has, or None if they never end."""
     # Each decimal divides the denominator by 2, by 5 or by both, so there are at most as many as it has bits.
-    most_decimals = value.denominator.bit_length()
-    for decimals in range(most_decimals + 1):
-        if 10**decimals % value.denominator == 0:
-            return decimals
+    highest_count = value.denominator.bit_length()
+    for decimal_count in range(highest_count + 1):
+        if 10**decimal_count % value.denominator == 0:
+            return decimal_count
     return None
 
 
@@ -122,11 +122,11 @@ def with_unit(value: int | str, unit: str) -> str:
     return f"{value} {unit}".rstrip()
 
 
-def first_of(items: Sequence[str], count: int = 3, between: str = ", ") -> str:
+def first_of(texts: Sequence[str], count: int = 3, between: str = ", ") -> str:
     """Return the first ``count`` items as a list, followed by the number of the others: ``a, b, c and 5 more``."""
-    first_items = between.join(items[:count])
-    omitted = len(items) - count
-    return f"{first_items} and {omitted} more" if omitted > 0 else first_items
+    first_texts = between.join(texts[:count])
+    omitted_count = len(texts) - count
+    return f"{first_texts} and {omitted_count} more" if omitted_count > 0 else first_texts
 
 
 #: ASCII replacements for signs that Unicode does not decompose, or decomposes badly.
@@ -173,8 +173,8 @@ def in_ascii(text: str, replacements: Mapping[str, str]) -> str:
     """
     if text.isascii():
         return text
-    stand_ins = {**STAND_INS, **replacements}
-    replaced = text.translate({ord(sign): stand_in for sign, stand_in in stand_ins.items()})
+    replacement_by_sign = {**STAND_INS, **replacements}
+    replaced = text.translate({ord(sign): replacement for sign, replacement in replacement_by_sign.items()})
     # This Unicode form separates each accent from its letter.
     decomposed = unicodedata.normalize("NFKD", replaced)
     without_accents = "".join(letter for letter in decomposed if not unicodedata.combining(letter))

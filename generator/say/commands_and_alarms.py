@@ -38,7 +38,7 @@ from ..model import (
     member_named,
 )
 from ..model.record import dataclass
-from .errata import describe_erratum, errata
+from .errata import describe_erratum, errata_affecting
 from .names_and_evidence import heading, order_codes_text, register_at, register_field, short_number, title_of
 from .names_and_evidence import register_reference as reference_to_register
 from .text import (
@@ -59,7 +59,7 @@ def describe_procedure(device: Device, procedure: Procedure) -> Iterator[Stateme
     """Yield all statements about a procedure except its title, its arguments and its steps."""
     yield from about_procedure(procedure)
     yield from spec_text(procedure.note)
-    yield from map(describe_erratum, errata(device, f"procedures.{procedure.name}"))
+    yield from map(describe_erratum, errata_affecting(device, f"procedures.{procedure.name}"))
 
 
 def about_procedure(procedure: Procedure) -> Iterator[Statement]:
@@ -91,7 +91,7 @@ def describe_step(device: Device, step: Step) -> Statement:
             request_bytes = CodeText(step.request.hex(" ").upper())
             return statement("Send the request ", name, f"{_repetition_text(step)}: ", request_bytes)
         case _:
-            return statement(*_register_access(device, step))
+            return statement(*_parts_of_register_step(device, step))
 
 
 def _repetition_text(send_step: SendStep) -> str:
@@ -119,7 +119,7 @@ def read_back(device: Device, register: Register, field: str) -> Statement:
     return statement("Read back ", register_or_field, f", {register_at(register)}, {stop_condition}")
 
 
-def _register_access(device: Device, step: RegisterStep) -> Iterator[TextPart]:
+def _parts_of_register_step(device: Device, step: RegisterStep) -> Iterator[TextPart]:
     """Yield the parts of the instruction to read, poll or write a register, or one of its fields.
 
     If the step writes a fixed value to a whole register, the instruction ends with the bytes to write.
@@ -135,7 +135,7 @@ def _register_access(device: Device, step: RegisterStep) -> Iterator[TextPart]:
             register_or_field = _register_or_field(device, register.name, field_name)
             yield from ("Poll ", register_or_field, f", {addresses}, until it is {value}")
         case WriteStep(value_name=value_name, value=value):
-            yield from ("Write ", *_value_or_argument(value_name, value), " to ")
+            yield from ("Write ", *_parts_of_written_value(value_name, value), " to ")
             # An argument with the name of the register already says which register it is.
             if value is None and value_name == register.name:
                 yield addresses
@@ -146,13 +146,13 @@ def _register_access(device: Device, step: RegisterStep) -> Iterator[TextPart]:
                 yield from (": ", CodeText(bytes_to_write))
         case ModifyStep(field=field_name, value_name=value_name, value=value):
             register_or_field = _register_or_field(device, register.name, field_name)
-            yield from ("Write ", *_value_or_argument(value_name, value), " to ")
+            yield from ("Write ", *_parts_of_written_value(value_name, value), " to ")
             yield from (register_or_field, f", {addresses}, leaving the register's other fields unchanged")
         case _:
             assert_never(step)
 
 
-def _value_or_argument(name: str, value: int | None) -> tuple[TextPart, ...]:
+def _parts_of_written_value(name: str, value: int | None) -> tuple[TextPart, ...]:
     """Return the name of a value or, if ``value`` is None, the name of the argument whose value is written."""
     return ("the argument ", CodeText(name)) if value is None else (CodeText(name),)
 
@@ -192,15 +192,15 @@ class Commands:
     @property
     def is_empty(self) -> bool:
         """True if the spec describes nothing that may be a command, preset, reset or save."""
-        lists = (self.procedures, self.registers, self.settings, self.requests, self.inputs)
-        return not any(lists) and not self.has_control_data
+        all_commands = (self.procedures, self.registers, self.settings, self.requests, self.inputs)
+        return not any(all_commands) and not self.has_control_data
 
     @property
     def may_preset(self) -> bool:
         """True if anything other than a reset may change the position."""
         if self.settings or self.inputs:
             return True
-        texts = (*self._texts_on_commands(), *self._request_texts())
+        texts = (*self._texts_about_commands(), *self._texts_about_requests())
         return any(_PRESET_WORDS.search(text) for text in texts)
 
     @property
@@ -208,8 +208,8 @@ class Commands:
         """True if anything may save settings."""
         if self.settings:
             return True
-        may_command_save = any(_SAVE_TO.search(text) for text in self._texts_on_commands())
-        may_request_save = any(_SAVE_WORDS.search(text) for text in self._request_texts())
+        may_command_save = any(_SAVE_TO.search(text) for text in self._texts_about_commands())
+        may_request_save = any(_SAVE_WORDS.search(text) for text in self._texts_about_requests())
         return may_command_save or may_request_save
 
     @property
@@ -218,7 +218,7 @@ class Commands:
         t_format_requests = [request for request in self.requests if isinstance(request, DataId)]
         return tuple(request for request in t_format_requests if request.purpose == "reset")
 
-    def _texts_on_commands(self) -> Iterator[str]:
+    def _texts_about_commands(self) -> Iterator[str]:
         """Yield the names and texts of registers, inputs, and procedures that do more than send resets."""
         reset_names = {request.name for request in self.resets}
         for procedure in self.procedures:
@@ -234,7 +234,7 @@ class Commands:
             yield from (hardware_input.name, hardware_input.printed_name, hardware_input.meaning)
             yield from (hardware_input.low, hardware_input.high, hardware_input.note)
 
-    def _request_texts(self) -> Iterator[str]:
+    def _texts_about_requests(self) -> Iterator[str]:
         """Yield the names and meanings of T-format requests except resets, and the frame names of other requests."""
         for request in self.requests:
             if not isinstance(request, DataId):
@@ -308,9 +308,9 @@ def describe_remedy(remedy: str, procedure_names: Sequence[str]) -> Iterator[Sta
     if not procedure_names:
         yield from spec_text(remedy, label="Remedy")
         return
-    references = [Reference(kind="by-hand", name=name, title=heading(name)) for name in procedure_names]
+    links_to_procedures = [Reference(kind="by-hand", name=name, title=heading(name)) for name in procedure_names]
     introduction = f"{as_sentence(remedy)} Steps: " if remedy else "Steps: "
-    yield statement(introduction, *list_parts(references, " or "), label="Remedy")
+    yield statement(introduction, *list_parts(links_to_procedures, " or "), label="Remedy")
 
 
 def remedy_with_procedures(remedy: str, procedure_names: Sequence[str]) -> str:
@@ -341,7 +341,7 @@ def describe_alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     """Yield all statements about an alarm except its name."""
     yield from spec_text(device_alarm.meaning, source=device_alarm.source)
     yield from alarm_facts(device, device_alarm)
-    yield from map(describe_erratum, errata(device, f"alarms.{device_alarm.name}"))
+    yield from map(describe_erratum, errata_affecting(device, f"alarms.{device_alarm.name}"))
 
 
 def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
@@ -401,8 +401,8 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     contradicts the manual, unless the manual explains its active level.
     """
     if isinstance(field.kind, Unused):
-        difference = f"unused bits differ from the documented value {short_number(field.kind.value)}"
-        return f"{difference}. {as_sentence(field.meaning)}" if field.meaning else difference
+        difference_text = f"unused bits differ from the documented value {short_number(field.kind.value)}"
+        return f"{difference_text}. {as_sentence(field.meaning)}" if field.meaning else difference_text
     when_active, _ = flag_state_meanings(field)
     if not field.implemented:
         return when_active or "active, although the manual says that this encoder does not have it"

@@ -92,11 +92,14 @@ _OWNERS_OF_FIELDS = ("the register ", "the group ")
 _KEYS_OF_REGISTERS = frozenset(field.name for field in dataclasses.fields(Register))
 _INTERFACE_TITLES = frozenset(interface.title for interface in INTERFACES.values())
 _PATH_PATTERN = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
-#: Number of an item in a list without names, counted from 1.
+#: Number of an item in a list without names, counted from 1, such as ``[2]``.
 _INDEX_IN_LIST = re.compile(r"\[([0-9]+)\]")
+#: The end of a shortened list, such as ``supply and 2 more``.
 _MORE_ITEMS = re.compile(r" and ([0-9]+ more)$")
-#: A phrase about a named item: the words before the item, its kind, its name, and the words after it.
-_NAMED_ITEM = re.compile(rf"((?:.* )?)the ({'|'.join(_WORDS_FOR_LIST_ITEMS.values())}) (\S+)((?: .*)?)")
+#: A phrase about a named item, such as ``the default of the register bank``.
+_NAMED_ITEM = re.compile(
+    rf"(?P<before>(?:.* )?)the (?P<kind>{'|'.join(_WORDS_FOR_LIST_ITEMS.values())}) (?P<name>\S+)(?P<after>(?: .*)?)"
+)
 
 
 def paths_in_words(paths: str) -> str:
@@ -105,11 +108,11 @@ def paths_in_words(paths: str) -> str:
     ``registers.bank.default, supply and 2 more`` becomes ``the default of the register bank, the supply and 2 more``.
     """
     # "and 2 more" at the end.
-    more_paths = _MORE_ITEMS.search(paths)
+    end_of_list = _MORE_ITEMS.search(paths)
     listed_paths = _MORE_ITEMS.sub("", paths).split(", ")
     phrases = _join_alike([_path_in_words(listed_path.split(".")) for listed_path in listed_paths])
-    if more_paths is not None:
-        (number_of_more_paths,) = more_paths.groups()
+    if end_of_list is not None:
+        (number_of_more_paths,) = end_of_list.groups()
         phrases.append(number_of_more_paths)
     if len(phrases) > 1 and any(" and " in phrase for phrase in phrases):
         # A comma separates "the registers a and b" from what follows.
@@ -123,13 +126,13 @@ def _join_alike(phrases: Sequence[str]) -> list[str]:
     Phrases about the bits of a frame are joined in the same way: ``the error bit and the warning bit of …``.
     """
     joined_phrases: list[str] = []
-    for common_words, group in groupby(phrases, _common_words):
-        before, kind, after = common_words
-        names = [_name_in_phrase(phrase) for phrase in group]
+    for common_words, similar_phrases in groupby(phrases, _common_words):
+        before, kind_of_item, after = common_words
+        names = [_name_in_phrase(phrase) for phrase in similar_phrases]
         names_in_words = "".join(map(str, list_parts(names)))
-        plural = "s" if len(names) > 1 else ""
-        if kind:
-            joined_phrases.append(f"{before}the {kind}{plural} {names_in_words}{after}")
+        plural_ending = "s" if len(names) > 1 else ""
+        if kind_of_item:
+            joined_phrases.append(f"{before}the {kind_of_item}{plural_ending} {names_in_words}{after}")
         elif after:
             joined_phrases.append(f"{names_in_words}{after}")
         else:
@@ -144,32 +147,31 @@ def _common_words(phrase: str) -> tuple[str, str, str]:
     """
     named_item = _NAMED_ITEM.fullmatch(phrase)
     if named_item is not None:
-        before, kind, _, after = named_item.groups()
-        return before, kind, after
-    bit, _, frame = phrase.partition(" of ")
-    return ("", "", f" of {frame}") if bit.endswith(" bit") else ("", "", "")
+        return named_item["before"], named_item["kind"], named_item["after"]
+    bit_phrase, _, frame_phrase = phrase.partition(" of ")
+    return ("", "", f" of {frame_phrase}") if bit_phrase.endswith(" bit") else ("", "", "")
 
 
 def _name_in_phrase(phrase: str) -> str:
     """Return the part of a phrase that ``_common_words`` omits."""
     named_item = _NAMED_ITEM.fullmatch(phrase)
     if named_item is not None:
-        return named_item[3]
-    bit, _, _ = phrase.partition(" of ")
-    return bit if bit.endswith(" bit") else phrase
+        return named_item["name"]
+    bit_phrase, _, _ = phrase.partition(" of ")
+    return bit_phrase if bit_phrase.endswith(" bit") else phrase
 
 
-def change_in_words(printed: str) -> str:
+def change_in_words(path_and_value: str) -> str:
     """Return a part of a spec and its value in words: ``bank.default: 50`` as ``the default of the register bank: 50``.
 
     Text that does not begin with one or more paths is returned unchanged.
     """
-    paths, colon, value = printed.partition(": ")
+    paths, colon, value = path_and_value.partition(": ")
     # A number such as [1] becomes a key of the path.
     paths_with_indices = _INDEX_IN_LIST.sub(r".\1", paths)
     listed_paths = _MORE_ITEMS.sub("", paths_with_indices).split(", ")
     are_paths = all(map(_PATH_PATTERN.fullmatch, listed_paths))
-    return f"{paths_in_words(paths_with_indices)}{colon}{value}" if are_paths else printed
+    return f"{paths_in_words(paths_with_indices)}{colon}{value}" if are_paths else path_and_value
 
 
 def _beginning_in_words(keys: Sequence[str]) -> tuple[str, Sequence[str]]:
@@ -203,27 +205,27 @@ def _path_in_words(keys: Sequence[str]) -> str:
     """
     if len(keys) == 1 and keys[0] in _TOP_LEVEL_PARTS:
         return _TOP_LEVEL_PARTS[keys[0]]
-    words, remaining_keys = _beginning_in_words(keys)
+    path_text, remaining_keys = _beginning_in_words(keys)
     # registers.command.fields.status.note: "the register command", "the field status of …", "the note on the field …".
     while remaining_keys:
         match remaining_keys:
             case ["interfaces", name, *later_keys]:
-                words = INTERFACES[name].title if name in INTERFACES else name
+                path_text = INTERFACES[name].title if name in INTERFACES else name
             case ["order_code", *later_keys]:
-                words = "the order code"
+                path_text = "the order code"
             case [list_name, name, *later_keys] if list_name in _WORDS_FOR_LIST_ITEMS:
-                words = _of_owner(f"the {_WORDS_FOR_LIST_ITEMS[list_name]} {name}", words)
+                path_text = _of_owner(f"the {_WORDS_FOR_LIST_ITEMS[list_name]} {name}", path_text)
             case [key] if key in _PHRASES_FOR_KEYS:
-                words = _PHRASES_FOR_KEYS[key].format(words)
+                path_text = _PHRASES_FOR_KEYS[key].format(path_text)
                 later_keys = []
-            case [row, *later_keys] if row.isdecimal():
-                words = _of_owner(f"row {row}", words)
+            case [row_number, *later_keys] if row_number.isdecimal():
+                path_text = _of_owner(f"row {row_number}", path_text)
             case [key, *later_keys]:
-                is_field = words.startswith(_OWNERS_OF_FIELDS) and key not in _KEYS_OF_REGISTERS
-                words_for_key = f"field {key}" if is_field else _key_in_words(key)
-                words = _of_owner(f"the {words_for_key}", words)
+                is_field = path_text.startswith(_OWNERS_OF_FIELDS) and key not in _KEYS_OF_REGISTERS
+                key_text = f"field {key}" if is_field else _key_in_words(key)
+                path_text = _of_owner(f"the {key_text}", path_text)
         remaining_keys = later_keys
-    return words
+    return path_text
 
 
 def _key_in_words(key: str) -> str:
@@ -241,9 +243,9 @@ def _of_owner(part: str, owner: str) -> str:
     """
     if not owner or owner in part.split():
         return part
-    name = part.removeprefix("the ")
-    is_compound = owner in _INTERFACE_TITLES and name != part and " of " not in part
-    return f"the {owner} {name}" if is_compound else f"{part} of {owner}"
+    name_of_part = part.removeprefix("the ")
+    is_compound = owner in _INTERFACE_TITLES and name_of_part != part and " of " not in part
+    return f"the {owner} {name_of_part}" if is_compound else f"{part} of {owner}"
 
 
 #: Words for the status of an erratum. The manual's own evidence or arithmetic resolves a settled erratum.
@@ -252,7 +254,7 @@ STATUS_IN_WORDS = {"open": "open", "settled": "resolved"}
 _LONGEST_INLINE_REASON = 100
 
 
-def errata(
+def errata_affecting(
     device: Device, *paths: str, without: Collection[str] = (), exactly: Collection[str] = (), wording: bool = False
 ) -> tuple[Erratum, ...]:
     """Return the errata that affect the parts of the spec at these paths, or anything inside these parts.
@@ -302,7 +304,7 @@ def describe_erratum(erratum: Erratum, *, whole: bool = False) -> Statement:
         label=label,
         source=erratum.source,
         brief=f"{label}. Used: {value_in_brief}",
-        below=tuple(_labelled_statements(labelled_texts)),
+        statements_below=tuple(_labelled_statements(labelled_texts)),
     )
 
 
@@ -333,7 +335,7 @@ def _change_statement(erratum: Erratum) -> Statement:
         label=layer_in_words(erratum.overlay, erratum.edition),
         source=erratum.source,
         brief=brief,
-        below=tuple(_labelled_statements([*content_before_and_after(erratum), ("Why", erratum.why)])),
+        statements_below=tuple(_labelled_statements([*content_before_and_after(erratum), ("Why", erratum.why)])),
     )
 
 

@@ -24,7 +24,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from . import count_with_unit
-from .errata import answer_names, deciding_alternatives, describe_erratum, errata, needed_answers
+from .errata import answer_names, deciding_alternatives, describe_erratum, errata_affecting, needed_answers
 from .names_and_evidence import bits, conditions_text
 from .text import (
     VERDICT_CLAUSES,
@@ -76,15 +76,15 @@ def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iter
     If only the answers to ``alternatives`` decide it, each possible number is followed by the names of its answers:
     ``25 (a) or 26 (b)``. Otherwise, it is an expression such as ``position_bits + 8``.
     """
-    deciding = deciding_alternatives(alternatives, set(layout.bits.parameters))
-    if not deciding:
+    deciding_questions = deciding_alternatives(alternatives, set(layout.bits.parameters))
+    if not deciding_questions:
         yield layout.bits
         return
-    possible_lengths: list[list[TextPart]] = []
-    for answers, answered_parameters in answer_combinations(deciding):
-        bits = layout.bits.value(answered_parameters)
-        possible_lengths.append([f"{bits} (", *answer_names(answers), ")"])
-    yield from join_groups(possible_lengths, " or ")
+    lengths_and_answers: list[list[TextPart]] = []
+    for answers, answered_parameters in answer_combinations(deciding_questions):
+        bit_count = layout.bits.value(answered_parameters)
+        lengths_and_answers.append([f"{bit_count} (", *answer_names(answers), ")"])
+    yield from join_groups(lengths_and_answers, " or ")
 
 
 def describe_layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
@@ -98,7 +98,7 @@ def describe_layout(device: Device, interface: Interface, frame: Layout) -> Iter
 
 def errata_of(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
     """Yield the errata about a frame as a whole."""
-    yield from map(describe_erratum, errata(device, f"interfaces.{interface.name}.{frame.name}"))
+    yield from map(describe_erratum, errata_affecting(device, f"interfaces.{interface.name}.{frame.name}"))
 
 
 def has_excess(layout: Layout) -> bool:
@@ -108,9 +108,9 @@ def has_excess(layout: Layout) -> bool:
 
 def _has_parity_over_gray(layout: Layout) -> bool:
     """Return whether a parity bit covers a field that can be in Gray code."""
-    gray_fields = set(layout.field_names_of(layout.gray_of))
+    names_of_gray_fields = set(layout.field_names_of(layout.gray_of))
     for field in layout.fields:
-        if isinstance(field.kind, Parity) and not gray_fields.isdisjoint(field.kind.of):
+        if isinstance(field.kind, Parity) and not names_of_gray_fields.isdisjoint(field.kind.of):
             return True
     return False
 
@@ -137,11 +137,11 @@ def describe_layout_facts(interface: Interface, layout: Layout) -> Iterator[Stat
     if layout.gaps:
         yield statement(f"Bits without a field are {layout.gaps}")
     yield from describe_joins(layout)
-    combinations = {combination.name: combination for combination in layout.combinations}
+    combination_by_name = {combination.name: combination for combination in layout.combinations}
     # A sign is a set of field values that decides the verdict. The signs of combinations have their names.
     for sign in layout.signs:
-        if sign.flag.name in combinations:
-            yield describe_combination(layout, sign, combinations[sign.flag.name])
+        if sign.flag.name in combination_by_name:
+            yield describe_combination(layout, sign, combination_by_name[sign.flag.name])
 
 
 def _gray_code_facts(layout: Layout) -> Iterator[Statement]:
@@ -150,15 +150,15 @@ def _gray_code_facts(layout: Layout) -> Iterator[Statement]:
     Nothing is yielded for a frame without Gray code.
     """
     number_name = CodeText(layout.gray_of)
-    excess = _excess_number_or_parameter(layout)
+    added_number = _excess_number_or_parameter(layout)
     # ``gray_when`` is the parameter that selects Gray code, and is empty if the code never changes.
     if layout.gray_when:
         parameter = CodeText(layout.gray_when)
         yield statement(number_name, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
         if has_excess(layout):
-            yield statement("In Gray code, ", excess, " is added to it before it is sent (Gray excess)")
+            yield statement("In Gray code, ", added_number, " is added to it before it is sent (Gray excess)")
     elif has_excess(layout):
-        yield statement(number_name, " is in Gray excess: it is sent in Gray code after ", excess, " is added")
+        yield statement(number_name, " is in Gray excess: it is sent in Gray code after ", added_number, " is added")
     elif layout.gray_of:
         yield statement(number_name, " is in Gray code")
 
@@ -192,13 +192,13 @@ def describe_selector(interface: Interface, layout: Layout) -> Iterator[Statemen
     """
     if not layout.selects:
         return
-    data_id_names: dict[int, str] = {}
+    name_by_data_id: dict[int, str] = {}
     if isinstance(interface, Rs485):
-        data_id_names = {data_id.id: data_id.name for data_id in interface.data_ids}
+        name_by_data_id = {data_id.id: data_id.name for data_id in interface.data_ids}
     selector_values = []
     for value in layout.selects:
-        name = f" ({data_id_names[value]})" if value in data_id_names else ""
-        selector_values.append(f"{value:X}{name}")
+        name_in_parentheses = f" ({name_by_data_id[value]})" if value in name_by_data_id else ""
+        selector_values.append(f"{value:X}{name_in_parentheses}")
     yield statement("Its ", CodeText(layout.selector), " is ", *list_parts(selector_values, " or "))
 
 
@@ -212,10 +212,10 @@ def describe_joins(layout: Layout) -> Iterator[Statement]:
 
 def describe_join(joined_number: Join) -> Statement:
     """Return the fields that form a number, ``position consists of turns and steps, …``, or the one that equals it."""
-    names = list_parts([CodeText(name) for name in joined_number.fields])
+    listed_names = list_parts([CodeText(name) for name in joined_number.fields])
     if len(joined_number.fields) == 1:
-        return statement(CodeText(joined_number.name), " is the same as ", *names)
-    return statement(CodeText(joined_number.name), " consists of ", *names, ", most significant part first")
+        return statement(CodeText(joined_number.name), " is the same as ", *listed_names)
+    return statement(CodeText(joined_number.name), " consists of ", *listed_names, ", most significant part first")
 
 
 def as_one_number(parts: str) -> str:
@@ -227,21 +227,26 @@ def describe_crc(device: Device, checksum: Crc) -> Iterator[Statement]:
     """Yield all statements about a CRC: its parameters, its note and its errata."""
     yield describe_crc_head(device, checksum)
     yield from spec_text(checksum.note)
-    yield from map(describe_erratum, errata(device, f"crcs.{checksum.name}"))
+    yield from map(describe_erratum, errata_affecting(device, f"crcs.{checksum.name}"))
 
 
 def describe_crc_head(device: Device, checksum: Crc) -> Statement:
     """Return one sentence with the name, the width and the parameters of a CRC."""
-    width = count_with_unit(checksum.width, "bit")
+    width_text = count_with_unit(checksum.width, "bit")
     parameters = crc_parameters(device, checksum)
-    return statement(f"CRC {checksum.name} of {width}: {parameters}", source=checksum.source)
+    return statement(f"CRC {checksum.name} of {width_text}: {parameters}", source=checksum.source)
 
 
 def crc_parameters(device: Device, checksum: Crc) -> str:
     """Return the polynomial, start value, reflection and final XOR of a CRC, separated by commas."""
     start_value = f"0x{checksum.init:X}" if checksum.init else "0"
-    texts = [checksum.polynomial, f"start value {start_value}", crc_reflected(device, checksum), crc_sent(checksum)]
-    return ", ".join(text for text in texts if text)
+    parameter_texts = [
+        checksum.polynomial,
+        f"start value {start_value}",
+        crc_reflected(device, checksum),
+        crc_sent(checksum),
+    ]
+    return ", ".join(text for text in parameter_texts if text)
 
 
 def crc_reflected(device: Device, checksum: Crc) -> str:
@@ -313,38 +318,38 @@ def describe_measurement(measurement: Measurement) -> Statement:
     The resolution is the counts per revolution and the number of revolutions, or the length of a count. The range is
     the total number of counts and the highest position.
     """
-    quantities: list[tuple[TextPart, ...]] = []
+    quantity_parts: list[tuple[TextPart, ...]] = []
     if measurement.counts_per_turn is not None:
-        quantities.append((Amount(measurement.counts_per_turn, "counts"), " per revolution"))
+        quantity_parts.append((Amount(measurement.counts_per_turn, "counts"), " per revolution"))
     if measurement.turns is not None:
-        quantities.append((Amount(measurement.turns, "revolutions"),))
+        quantity_parts.append((Amount(measurement.turns, "revolutions"),))
     if measurement.step_um is not None:
-        quantities.append((Amount(measurement.step_um, "µm"), " per count"))
+        quantity_parts.append((Amount(measurement.step_um, "µm"), " per count"))
     if measurement.step_nm is not None and measurement.per_counts is None:
-        quantities.append((Amount(measurement.step_nm, "nm"), " per count"))
+        quantity_parts.append((Amount(measurement.step_nm, "nm"), " per count"))
     if measurement.step_nm is not None and measurement.per_counts is not None:
-        step = Amount(measurement.step_nm, "nm")
-        counts = Amount(measurement.per_counts, "counts")
-        quantities.append((step, " per ", counts))
+        step_length = Amount(measurement.step_nm, "nm")
+        step_counts = Amount(measurement.per_counts, "counts")
+        quantity_parts.append((step_length, " per ", step_counts))
     if measurement.modulus is not None:
-        quantities.append((Amount(measurement.modulus, "counts"), " in total"))
+        quantity_parts.append((Amount(measurement.modulus, "counts"), " in total"))
     if measurement.highest is not None:
-        quantities.append(("maximum ", measurement.highest))
-    return statement(*join_groups(quantities), source=measurement.source)
+        quantity_parts.append(("maximum ", measurement.highest))
+    return statement(*join_groups(quantity_parts), source=measurement.source)
 
 
 def describe_position_range(layout_range: LayoutRange) -> Statement:
     """Return the range of the position in one frame: that it never wraps, or its revolutions, counts and maximum."""
     if not layout_range.wraps:
         return statement("never wraps around", source=layout_range.source)
-    quantities: list[tuple[TextPart, ...]] = []
+    quantity_parts: list[tuple[TextPart, ...]] = []
     if layout_range.turns is not None:
-        quantities.append((Amount(layout_range.turns, "revolutions"),))
+        quantity_parts.append((Amount(layout_range.turns, "revolutions"),))
     if layout_range.modulus is not None:
-        quantities.append((Amount(layout_range.modulus, "counts"), " in total"))
+        quantity_parts.append((Amount(layout_range.modulus, "counts"), " in total"))
     if layout_range.highest is not None:
-        quantities.append(("maximum ", layout_range.highest))
-    return statement(*join_groups(quantities), source=layout_range.source)
+        quantity_parts.append(("maximum ", layout_range.highest))
+    return statement(*join_groups(quantity_parts), source=layout_range.source)
 
 
 def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRange]]:
@@ -354,54 +359,57 @@ def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRang
             yield layout.name, layout.position_range
 
 
-def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
-    """Return the bytes of a ``length``-bit frame that contain some bits: ``byte 1, bits 7:1`` or ``bytes 2 to 4``.
+def frame_bytes(layout: Layout, bit_count: int, highest_bit: int, lowest_bit: int) -> str:
+    """Return the bytes of a frame that contain some bits, such as ``byte 1, bits 7:1`` or ``bytes 2 to 4``.
 
-    ``high`` and ``low`` are the highest and lowest of these bits in the frame as one number. Bytes are counted from 0
-    in the order sent. If the bits fill several bytes only in part, the result has their numbers in the whole frame.
+    The frame has ``bit_count`` bits. ``highest_bit`` and ``lowest_bit`` are the highest and lowest of these bits in the
+    frame as one number. Bytes are counted from 0 in the order sent. If the bits fill several bytes only in part, the
+    result has their numbers in the whole frame.
     """
-    first_byte, last_byte = _first_and_last_byte(layout, length, high=high, low=low)
+    first_byte, last_byte = _first_and_last_byte(layout, bit_count, highest_bit, lowest_bit)
     # From the lowest bit of a byte to the highest bit of a byte.
-    are_whole_bytes = low % 8 == 0 and high % 8 == 7
+    are_whole_bytes = lowest_bit % 8 == 0 and highest_bit % 8 == 7
     if are_whole_bytes:
         return f"byte {first_byte}" if first_byte == last_byte else f"bytes {first_byte} to {last_byte}"
     if first_byte == last_byte:
-        return f"byte {first_byte}, {bits(high % 8, low % 8)}"
-    return f"{bits(high, low)} of the frame as one number"
+        return f"byte {first_byte}, {bits(highest_bit % 8, lowest_bit % 8)}"
+    return f"{bits(highest_bit, lowest_bit)} of the frame as one number"
 
 
-def _first_and_last_byte(layout: Layout, length: int, *, high: int, low: int) -> tuple[int, int]:
-    """Return the first and the last byte sent that have bits ``high`` to ``low`` of a ``length``-bit frame."""
-    lowest_byte, highest_byte = low // 8, high // 8
+def _first_and_last_byte(layout: Layout, bit_count: int, highest_bit: int, lowest_bit: int) -> tuple[int, int]:
+    """Return the first and the last byte sent that have these bits of a frame of ``bit_count`` bits."""
+    lowest_byte, highest_byte = lowest_bit // 8, highest_bit // 8
     if layout.byte_order == "low_byte_first":
         return lowest_byte, highest_byte
     # The byte with the highest bits is sent first.
-    last_byte_of_frame = length // 8 - 1
+    last_byte_of_frame = bit_count // 8 - 1
     return last_byte_of_frame - highest_byte, last_byte_of_frame - lowest_byte
 
 
-def bit_place(layout: Layout, length: int, high: int, low: int) -> str:
+def bit_place(layout: Layout, bit_count: int, highest_bit: int, lowest_bit: int) -> str:
     """Return the position of a field in short: ``46:31``, or ``byte 2.7:4`` for bits 7 to 4 of byte 2.
 
-    ``high`` and ``low`` are its highest and lowest bit in the frame as one number of ``length`` bits. The first byte is
-    byte 0. ``bytes 1.3-2.7`` means from bit 3 of byte 1 to bit 7 of byte 2.
+    ``highest_bit`` and ``lowest_bit`` are its highest and lowest bit in the frame as one number of ``bit_count`` bits.
+    The first byte is byte 0. ``bytes 1.3-2.7`` means from bit 3 of byte 1 to bit 7 of byte 2.
     """
-    is_one_bit = high == low
+    is_one_bit = highest_bit == lowest_bit
     if not layout.in_bytes:
-        return f"{high}" if is_one_bit else f"{high}:{low}"
-    first_byte, last_byte = _first_and_last_byte(layout, length, high=high, low=low)
+        return f"{highest_bit}" if is_one_bit else f"{highest_bit}:{lowest_bit}"
+    first_byte, last_byte = _first_and_last_byte(layout, bit_count, highest_bit, lowest_bit)
     if first_byte != last_byte:
         # From the lowest bit of a byte to the highest bit of a byte.
-        are_whole_bytes = low % 8 == 0 and high % 8 == 7
+        are_whole_bytes = lowest_bit % 8 == 0 and highest_bit % 8 == 7
         if are_whole_bytes:
             return f"bytes {first_byte}-{last_byte}"
-        first_bit, last_bit = (low, high) if layout.byte_order == "low_byte_first" else (high, low)
+        first_bit, last_bit = (
+            (lowest_bit, highest_bit) if layout.byte_order == "low_byte_first" else (highest_bit, lowest_bit)
+        )
         return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"
-    fills_byte = high - low == 7
+    fills_byte = highest_bit - lowest_bit == 7
     if fills_byte:
         return f"byte {first_byte}"
-    place = f"byte {first_byte}.{high % 8}"
-    return place if is_one_bit else f"{place}:{low % 8}"
+    place_in_byte = f"byte {first_byte}.{highest_bit % 8}"
+    return place_in_byte if is_one_bit else f"{place_in_byte}:{lowest_bit % 8}"
 
 
 def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[TextPart]:
@@ -411,28 +419,28 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
     location is followed by its answers. If other parameters decide it, only the lowest bit is given, as an expression.
     """
     width_with_padding = Expression(field.container) if field.container else field.width
-    high = field.low + width_with_padding - Expression(1)
-    deciding_parameters = {*field.low.parameters, *high.parameters}
-    deciding = deciding_alternatives(alternatives, deciding_parameters)
-    if deciding_parameters and not deciding:
+    highest_bit = field.low + width_with_padding - Expression(1)
+    deciding_parameters = {*field.low.parameters, *highest_bit.parameters}
+    deciding_questions = deciding_alternatives(alternatives, deciding_parameters)
+    if deciding_parameters and not deciding_questions:
         yield from ("starting at bit ", field.low)
         return
-    possible_places: list[list[TextPart]] = []
+    places_and_answers: list[list[TextPart]] = []
     # If no alternative decides, there is one combination, without answers.
-    for answers, answered_parameters in answer_combinations(deciding):
-        high_bit = high.value(answered_parameters)
-        low_bit = field.low.value(answered_parameters)
+    for answers, answered_parameters in answer_combinations(deciding_questions):
+        highest_bit_number = highest_bit.value(answered_parameters)
+        lowest_bit_number = field.low.value(answered_parameters)
         answers_in_parentheses: list[TextPart] = [" (", *answer_names(answers), ")"] if answers else []
-        possible_places.append([_place_text(layout, high_bit, low_bit), *answers_in_parentheses])
-    yield from join_groups(possible_places, " or ")
+        places_and_answers.append([_place_text(layout, highest_bit_number, lowest_bit_number), *answers_in_parentheses])
+    yield from join_groups(places_and_answers, " or ")
 
 
-def _place_text(layout: Layout, high: int, low: int) -> str:
-    """Return the bits from ``high`` to ``low`` as text: ``byte 1, bits 7:1``, ``bits 46:31``, or ``absent`` if none."""
-    if high < low:
+def _place_text(layout: Layout, highest_bit: int, lowest_bit: int) -> str:
+    """Return a range of bits as text: ``byte 1, bits 7:1``, ``bits 46:31``, or ``absent`` if it has no bits."""
+    if highest_bit < lowest_bit:
         return "absent"
     # A register has no sender. Its bits are always numbered as bits of one number.
     is_frame = bool(layout.sender)
     if layout.in_bytes and is_frame:
-        return frame_bytes(layout, layout.widest, high, low)
-    return bits(high, low)
+        return frame_bytes(layout, layout.widest, highest_bit, lowest_bit)
+    return bits(highest_bit, lowest_bit)

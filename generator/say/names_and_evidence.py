@@ -67,8 +67,8 @@ def name_in_words(name: str) -> str:
 
 def heading(name: str) -> str:
     """Return a name from a spec as a heading: ``encoder_id`` becomes ``Encoder ID``."""
-    words = name_in_words(name)
-    return words[0].upper() + words[1:]
+    name_words = name_in_words(name)
+    return name_words[0].upper() + name_words[1:]
 
 
 def title_of(titled: Titled) -> str:
@@ -83,9 +83,9 @@ def printed_name_of(named: HasOtherNames) -> str:
 
 def own_names(named: HasOtherNames) -> str:
     """Return the names used in the manual and its other editions: ``Command, it: Comando``."""
-    names = [named.printed_name] if named.printed_name else []
-    names += [f"{language}: {name}" for language, name in named.names.items()]
-    return ", ".join(names)
+    names_with_language = [named.printed_name] if named.printed_name else []
+    names_with_language += [f"{language}: {name}" for language, name in named.names.items()]
+    return ", ".join(names_with_language)
 
 
 def full_title(named: HasOtherNames) -> str:
@@ -142,15 +142,15 @@ def field_at(device: Device, path: str) -> str:
     return f"{register_at(device.register(register_name))} ({path})"
 
 
-def bit_range(high: int, low: int) -> str:
+def bit_range(highest_bit: int, lowest_bit: int) -> str:
     """Return bit numbers as text: ``5`` or ``5:3``."""
-    return f"{high}" if high == low else f"{high}:{low}"
+    return f"{highest_bit}" if highest_bit == lowest_bit else f"{highest_bit}:{lowest_bit}"
 
 
-def bits(high: int, low: int) -> str:
+def bits(highest_bit: int, lowest_bit: int) -> str:
     """Return bits as text: ``bit 5`` or ``bits 5:3``."""
-    noun = "bits" if high > low else "bit"
-    return f"{noun} {bit_range(high, low)}"
+    noun = "bits" if highest_bit > lowest_bit else "bit"
+    return f"{noun} {bit_range(highest_bit, lowest_bit)}"
 
 
 def short_number(number: int) -> str:
@@ -207,11 +207,12 @@ def titled_in_lists(device: Device) -> str:
 
 def placeholders(device: Device) -> str:
     """Return a sentence with the values that still come from the template, or an empty string if there are none."""
-    names = device.evidence.placeholders
-    if not names:
+    placeholder_names = device.evidence.placeholders
+    if not placeholder_names:
         return ""
-    verb = "value is" if len(names) == 1 else "values are"
-    return f"{len(names)} {verb} still from the template, not from the manufacturer: {', '.join(names)}"
+    verb = "value is" if len(placeholder_names) == 1 else "values are"
+    names_text = ", ".join(placeholder_names)
+    return f"{len(placeholder_names)} {verb} still from the template, not from the manufacturer: {names_text}"
 
 
 def word_for_document(device: Device) -> str:
@@ -219,7 +220,7 @@ def word_for_document(device: Device) -> str:
     return "manual" if device.evidence.grade == "manual" else "spec"
 
 
-def basis(device: Device) -> Iterator[Statement]:
+def describe_evidence_basis(device: Device) -> Iterator[Statement]:
     """Yield the basis of the grade, and the facts that the spec leaves out.
 
     The basis consists of the pages read in each document, the implementations and the test vectors. It is omitted for
@@ -236,7 +237,7 @@ def basis(device: Device) -> Iterator[Statement]:
         yield statement(fact, label="Left out")
 
 
-def origin(device: Device) -> Iterator[Statement]:
+def differences_from_manual(device: Device) -> Iterator[Statement]:
     """Yield how the family differs from its manual: as a special model, as another edition, and by overlays."""
     specials = [overlay.special for overlay in device.overlays if overlay.special]
     if specials:
@@ -272,7 +273,7 @@ def other_editions(device: Device, where: str = "inline") -> Iterator[Statement]
         )
 
 
-def removals(device: Device) -> Iterator[Statement]:
+def describe_removals(device: Device) -> Iterator[Statement]:
     """Yield the changes by overlays and editions that removed a part of the spec, so that no note can be next to it.
 
     A part that only another edition lacks is still in the family itself, which has no base. Changes of wording are
@@ -344,10 +345,10 @@ def reference_to_mention(device: Device, interface: Interface, subject: Topic) -
 @lru_cache
 def _place_with_words(subject: Topic, places_and_texts: tuple[tuple[str, str], ...]) -> str:
     """Return the place of the first text that mentions the subject, or "". Order codes of a family share results."""
-    words_of_subject = re.compile(subject.value)
-    for place, text in places_and_texts:
-        if words_of_subject.search(text):
-            return place
+    pattern = re.compile(subject.value)
+    for place_of_text, text in places_and_texts:
+        if pattern.search(text):
+            return place_of_text
     return ""
 
 

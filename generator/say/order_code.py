@@ -39,7 +39,7 @@ from ..model import (
 from ..model.expressions import Expression
 from ..model.order_codes import Restricted
 from . import count_with_unit, group_digits
-from .errata import describe_erratum, errata
+from .errata import describe_erratum, errata_affecting
 from .names_and_evidence import hexadecimal, name_in_words, printed_name_of, register_at, register_field
 from .names_and_evidence import register_reference as reference_to_register
 from .register import describe_range, describe_value
@@ -60,18 +60,18 @@ from .text import (
 )
 
 
-def order_code(device: Device) -> Iterator[Statement]:
+def describe_order_code(device: Device) -> Iterator[Statement]:
     """Yield all statements about the order codes of a family."""
-    code = device.order_code
-    yield statement(CodeText(code.pattern), label="Order codes", source=code.source)
-    for code_part in code.parts:
+    order_code = device.order_code
+    yield statement(CodeText(order_code.pattern), label="Order codes", source=order_code.source)
+    for code_part in order_code.parts:
         yield describe_part(code_part)
         yield from open_values(code_part)
-    yield from map(describe_spelling, code.also_written)
+    yield from map(describe_spelling, order_code.also_written)
     yield from not_on_label(device)
-    yield from spec_text(code.note)
-    yield from spec_text(code.special)
-    yield from map(describe_erratum, errata(device, "order_code", "parameters"))
+    yield from spec_text(order_code.note)
+    yield from spec_text(order_code.special)
+    yield from map(describe_erratum, errata_affecting(device, "order_code", "parameters"))
 
 
 def not_on_label(device: Device) -> Iterator[Statement]:
@@ -125,9 +125,9 @@ def parameter_origin(device: Device, parameter: Parameter) -> Iterator[Statement
         register_text = register_at(device.register(parameter.register))
         field_reference = register_field(device, parameter.read_from)
         origin_parts: list[TextPart] = [f"It is read at run time from {register_text} (", field_reference, ")"]
-        lowest = Expression(parameter.min) if parameter.min is not None else None
-        highest = Expression(parameter.max) if parameter.max is not None else None
-        range_parts = describe_range(lowest, highest)
+        lowest_value = Expression(parameter.min) if parameter.min is not None else None
+        highest_value = Expression(parameter.max) if parameter.max is not None else None
+        range_parts = describe_range(lowest_value, highest_value)
         # A register that holds a code has a list of its values instead, which follows.
         if range_parts and not parameter.by_code:
             origin_parts += [", ", *range_parts]
@@ -243,10 +243,10 @@ def describe_interface_facts(device: Device, interface: Interface) -> Iterator[S
             pass
         case Biss():
             yield from spec_text(interface.control_data_note, label="Control data")
-            yield from map(control_field, interface.control_data)
+            yield from map(describe_control_field, interface.control_data)
         case Rs485():
             yield from map(describe_data_id, interface.data_ids)
-            yield from map(memory_access, interface.memory_access)
+            yield from map(describe_memory_access, interface.memory_access)
             yield from map(describe_exchange, interface.exchanges)
         case Spi():
             yield from map(describe_exchange, interface.exchanges)
@@ -320,20 +320,20 @@ def clock_words(clock: Clock) -> str:
     return ", ".join(clause for clause in clauses if clause)
 
 
-def _clock_range(lowest: int | None, highest: int | None) -> str:
+def _clock_range(lowest_hz: int | None, highest_hz: int | None) -> str:
     """Return the limits of a clock in Hz as text, such as ``100 kHz to 4 MHz``, or "" if neither is known (None)."""
-    if lowest is not None and highest is not None:
-        return f"{hertz(lowest)} to {hertz(highest)}"
-    if lowest is not None:
-        return f"at least {hertz(lowest)}"
-    return f"up to {hertz(highest)}" if highest is not None else ""
+    if lowest_hz is not None and highest_hz is not None:
+        return f"{hertz(lowest_hz)} to {hertz(highest_hz)}"
+    if lowest_hz is not None:
+        return f"at least {hertz(lowest_hz)}"
+    return f"up to {hertz(highest_hz)}" if highest_hz is not None else ""
 
 
-def clocks_in_use(clocks: Sequence[int]) -> str:
+def clocks_in_use(clocks_hz: Sequence[int]) -> str:
     """Return a clause about the clocks in Hz that programs or masters use, such as "1 MHz and 5 MHz are in use"."""
-    clocks_and_separators = map(str, list_parts([hertz(clock_hz) for clock_hz in clocks]))
+    clocks_and_separators = map(str, list_parts([hertz(clock_hz) for clock_hz in clocks_hz]))
     clocks_text = "".join(clocks_and_separators)
-    verb = "is" if len(clocks) == 1 else "are"
+    verb = "is" if len(clocks_hz) == 1 else "are"
     return f"{clocks_text} {verb} in use"
 
 
@@ -348,20 +348,20 @@ def unknown_limits(clock: Clock) -> str:
     return ""
 
 
-def _word_format_words(fact: WordFormat) -> str:
+def _word_format_words(word_format: WordFormat) -> str:
     """Return the lengths of SPI words, the clock mode, and which word contains the encoder's reply."""
     # Bit 1 of an SPI mode is the polarity of the clock, and bit 0 its phase.
-    polarity = fact.mode >> 1
-    phase = fact.mode & 1
+    polarity = word_format.mode >> 1
+    phase = word_format.mode & 1
     idle_level = "high" if polarity else "low"
     edge = "second" if phase else "first"
-    clock_text = f"SPI mode {fact.mode} (the clock idles {idle_level}, data is taken on the {edge} edge)"
-    return f"{word_lengths(fact.lengths)}, {clock_text}, {REPLIES[fact.reply]}"
+    clock_text = f"SPI mode {word_format.mode} (the clock idles {idle_level}, data is taken on the {edge} edge)"
+    return f"{word_lengths(word_format.lengths)}, {clock_text}, {REPLIES[word_format.reply]}"
 
 
-def word_lengths(lengths: Iterable[Expression]) -> str:
+def word_lengths(bit_counts: Iterable[Expression]) -> str:
     """Return the possible lengths of a word as text, such as ``16 or 32 bits``."""
-    return f"{' or '.join(length.render() for length in lengths)} bits"
+    return f"{' or '.join(bit_count.render() for bit_count in bit_counts)} bits"
 
 
 def _timeout_with_examples(timeout: Timeout) -> str:
@@ -378,16 +378,17 @@ def _timeout_with_examples(timeout: Timeout) -> str:
 
 def _port_words(port: Port) -> str:
     """Return the settings of a serial port, such as ``115,200 Bd, 8 data bits, no parity, 1 stop bit, …``."""
-    parity = f"{port.parity.replace('none', 'no')} parity"
-    flow_control = f"{port.flow_control.replace('none', 'no')} flow control"
-    stop_bits = count_with_unit(port.stop_bits, "stop bit")
-    return f"{group_digits(port.baud)} Bd, {port.data_bits} data bits, {parity}, {stop_bits}, {flow_control}"
+    parity_text = f"{port.parity.replace('none', 'no')} parity"
+    flow_control_text = f"{port.flow_control.replace('none', 'no')} flow control"
+    stop_bits_text = count_with_unit(port.stop_bits, "stop bit")
+    bits_text = f"{port.data_bits} data bits, {parity_text}, {stop_bits_text}"
+    return f"{group_digits(port.baud)} Bd, {bits_text}, {flow_control_text}"
 
 
 def _network_words(network: Network) -> str:
     """Return the topology of a network and the number of slaves, such as ``point to point, one slave only``."""
-    slaves = "several slaves allowed" if network.multiple_slaves else "one slave only"
-    return f"{network.topology.replace('_', ' ')}, {slaves}"
+    slaves_text = "several slaves allowed" if network.multiple_slaves else "one slave only"
+    return f"{network.topology.replace('_', ' ')}, {slaves_text}"
 
 
 def _channel_words(channels: DataChannels) -> str:
@@ -396,9 +397,9 @@ def _channel_words(channels: DataChannels) -> str:
     if channels.compared_bits is None:
         return order_text
     compared_fields = [f"{field_name} of {layout_name}" for layout_name, field_name in channels.compared.items()]
-    number_of_bits = channels.compared_bits.render()
-    tolerance = f", with a difference of at most {channels.tolerance}" if channels.tolerance else ""
-    return f"{order_text}. The highest {number_of_bits} bits of {' and '.join(compared_fields)} must agree{tolerance}"
+    bit_count = channels.compared_bits.render()
+    tolerance_text = f", with a difference of at most {channels.tolerance}" if channels.tolerance else ""
+    return f"{order_text}. The highest {bit_count} bits of {' and '.join(compared_fields)} must agree{tolerance_text}"
 
 
 def describe_data_id(request: DataId) -> Statement:
@@ -417,7 +418,7 @@ def describe_data_id(request: DataId) -> Statement:
     )
 
 
-def memory_access(access: MemoryAccess) -> Statement:
+def describe_memory_access(access: MemoryAccess) -> Statement:
     """Return the meaning of one kind of memory access, and what its reply has as address and data."""
     text = f"{as_sentence(access.meaning)} Address: {access.address}. Data: {access.data}"
     return statement(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
@@ -430,20 +431,20 @@ def describe_exchange(request: Exchange) -> Statement:
         exchange_parts += [" is answered by ", CodeText(request.reply)]
     else:
         exchange_parts.append(" has no reply")
-    effect = PURPOSES[request.purpose]
-    if effect:
-        exchange_parts.append(f", and {effect}")
+    effect_clause = PURPOSES[request.purpose]
+    if effect_clause:
+        exchange_parts.append(f", and {effect_clause}")
     if request.word_bits is not None:
         exchange_parts.append(f", in words of {word_lengths([request.word_bits])}")
     return statement(*exchange_parts, source=request.source)
 
 
-def control_field(bits_field: ControlField) -> Statement:
+def describe_control_field(field: ControlField) -> Statement:
     """Return the width, the meaning and the named values of a field in the BiSS control frame."""
-    width_and_meaning = count_with_unit(bits_field.bits, "bit")
-    if bits_field.meaning:
-        width_and_meaning += f": {bits_field.meaning}"
-    parts_of_values = [describe_value(named_value, bits_field.bits).parts for named_value in bits_field.values]
+    width_and_meaning = count_with_unit(field.bits, "bit")
+    if field.meaning:
+        width_and_meaning += f": {field.meaning}"
+    parts_of_values = [describe_value(named_value, field.bits).parts for named_value in field.values]
     all_parts = join_groups([(width_and_meaning,), *parts_of_values], "; ")
-    label = printed_name_of(bits_field) or name_in_words(bits_field.name)
-    return statement(*all_parts, label=label, source=bits_field.source)
+    label = printed_name_of(field) or name_in_words(field.name)
+    return statement(*all_parts, label=label, source=field.source)

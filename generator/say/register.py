@@ -28,7 +28,7 @@ from ..model import (
 from ..model.expressions import Expression
 from . import formula
 from .commands_and_alarms import describe_remedy
-from .errata import describe_erratum, errata, needed_answers
+from .errata import describe_erratum, errata_affecting, needed_answers
 from .names_and_evidence import (
     HasOtherNames,
     hexadecimal,
@@ -79,7 +79,7 @@ def describe_register(device: Device, register: Register) -> Iterator[Statement]
     yield from spec_text(register.meaning)
     yield from describe_register_facts(device, register)
     yield from spec_text(register.note)
-    yield from map(describe_erratum, errata(device, f"registers.{register.name}"))
+    yield from map(describe_erratum, errata_affecting(device, f"registers.{register.name}"))
 
 
 def describe_register_facts(device: Device, register: Register) -> Iterator[Statement]:
@@ -109,14 +109,14 @@ def _content_facts(register: Register) -> Iterator[Statement]:
         yield statement(*range_parts, label="Limits")
 
 
-def describe_range(low: Expression | None, high: Expression | None) -> tuple[TextPart, ...]:
+def describe_range(lowest: Expression | None, highest: Expression | None) -> tuple[TextPart, ...]:
     """Return a range as parts of a statement: ``(0, " to ", 7)`` or ``("at least ", 0)``. None means no limit."""
-    if low is not None and high is not None:
-        return low, " to ", high
-    if low is not None:
-        return "at least ", low
-    if high is not None:
-        return "at most ", high
+    if lowest is not None and highest is not None:
+        return lowest, " to ", highest
+    if lowest is not None:
+        return "at least ", lowest
+    if highest is not None:
+        return "at most ", highest
     return ()
 
 
@@ -176,9 +176,9 @@ def _opening_condition(device: Device, register: Register) -> Statement:
         opening_field = opening_register.layout.fields[0]
         opening_value = opening_field.value_named(value_name).value
         value_text = hexadecimal(opening_value, digits=2 * opening_register.length)
-    reference = register_field(device, opening_path)
-    condition: list[TextPart] = [reference, f" is {value_text} (", CodeText(value_name), ")"]
-    return statement("The register can be written only while ", *condition)
+    opening_reference = register_field(device, opening_path)
+    condition_parts: list[TextPart] = [opening_reference, f" is {value_text} (", CodeText(value_name), ")"]
+    return statement("The register can be written only while ", *condition_parts)
 
 
 def _register_meaning(device: Device, meaning: RegisterMeaning) -> Statement:
@@ -190,8 +190,8 @@ def _register_meaning(device: Device, meaning: RegisterMeaning) -> Statement:
     register_name, _, field_name = meaning.when.partition(".")
     selecting_field = device.register(register_name).layout.field(field_name)
     selecting_value = selecting_field.value_named(meaning.value).value
-    reference = register_field(device, meaning.when)
-    meaning_parts: list[TextPart] = ["While ", reference, f" is {selecting_value} (", CodeText(meaning.value)]
+    selecting_reference = register_field(device, meaning.when)
+    meaning_parts: list[TextPart] = ["While ", selecting_reference, f" is {selecting_value} (", CodeText(meaning.value)]
     meaning_parts += ["), the register holds ", CodeText(meaning.name)]
     range_parts = describe_range(meaning.min, meaning.max)
     if range_parts:
@@ -204,7 +204,7 @@ def _register_meaning(device: Device, meaning: RegisterMeaning) -> Statement:
 def describe_field(device: Device, field: Field) -> Iterator[Statement]:
     """Yield all statements about a field of a frame or register: its meaning, its rules and its note."""
     yield from describe_meaning(field, field.meaning)
-    yield from rules(device, field)
+    yield from describe_field_rules(device, field)
     yield from spec_text(field.note)
 
 
@@ -217,7 +217,7 @@ def describe_meaning(named_item: HasOtherNames, text: str) -> Iterator[Statement
         yield statement(manual_name)
 
 
-def rules(device: Device, field: Field) -> Iterator[Statement]:
+def describe_field_rules(device: Device, field: Field) -> Iterator[Statement]:
     """Yield how to interpret the bits of a field, its default, and the rules for its use."""
     yield from spec_text(field.unit, label="Unit")
     scale = field.scale
@@ -322,23 +322,24 @@ def _is_in_frame_with_position(device: Device, field: Field) -> bool:
     return False
 
 
-def _number_rules(kind: Number) -> Iterator[Statement]:
+def _number_rules(number: Number) -> Iterator[Statement]:
     """Yield the properties of a number: its sign, the meaning of 0, a limitation to powers of two."""
-    if kind.signed:
+    if number.signed:
         yield statement("Signed, in two's complement")
-    if kind.zero_means:
-        yield statement("A value of 0 means ", Expression(kind.zero_means))
-    if kind.power_of_two:
+    if number.zero_means:
+        yield statement("A value of 0 means ", Expression(number.zero_means))
+    if number.power_of_two:
         yield statement("Only powers of two are allowed")
 
 
 def _code_rule(field: Field) -> Iterator[Statement]:
     """Yield the code in which the digits of a field are sent, such as BCD, unless it is a binary number."""
-    code = field.code_of_digits
-    if code is None:
+    digit_code = field.code_of_digits
+    if digit_code is None:
         return
-    is_one_digit = code.bits == field.widest
-    yield statement(f"Sent in {code.name}" if is_one_digit else f"Sent in {code.name}, {code.bits} bits for each digit")
+    is_one_digit = digit_code.bits == field.widest
+    size_text = "" if is_one_digit else f", {digit_code.bits} bits for each digit"
+    yield statement(f"Sent in {digit_code.name}{size_text}")
 
 
 def _flag_rules(device: Device, flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
@@ -352,19 +353,19 @@ def _flag_rules(device: Device, flag: Flag, *, is_implemented: bool) -> Iterator
     if is_implemented:
         yield from _flag_verdict(device, flag)
     if flag.only:
-        remark = ". For other order codes, the manual does not explain the flag"
+        remark_on_other_codes = ". For other order codes, the manual does not explain the flag"
         verdict_for_other_codes = flag.unexplained.makes_position
         if verdict_for_other_codes is not None:
-            remark += f". If it is active there, {VERDICT_CLAUSES[verdict_for_other_codes]}"
-        yield statement("This applies only to ", CodeText(flag.only), remark)
+            remark_on_other_codes += f". If it is active there, {VERDICT_CLAUSES[verdict_for_other_codes]}"
+        yield statement("This applies only to ", CodeText(flag.only), remark_on_other_codes)
 
 
 def _combines_other_verdicts(device: Device, flag: Flag) -> bool:
     """Return True if a flag that ``flag`` combines has a different verdict, so that it matters which one decides."""
     own_verdicts = {flag.makes_position, flag.verdict_if_set}
-    fields = [field for _, layout in device.layouts() for field in layout.fields if field.name in flag.sums_up]
-    for field in fields:
-        if isinstance(field.kind, Flag):
+    all_fields = [field for _, layout in device.layouts() for field in layout.fields]
+    for field in all_fields:
+        if field.name in flag.sums_up and isinstance(field.kind, Flag):
             verdicts = {*own_verdicts, field.kind.makes_position}
             if len(verdicts - {None}) > 1:
                 return True
@@ -403,35 +404,35 @@ def _run_of_digits(digit_run: Digits) -> tuple[TextPart, ...]:
     return CodeText(digit_run.name), f" {digit_run.digits}", meaning_text
 
 
-def _hex_digits_for(bits: int) -> int:
+def _hex_digits_for(bit_count: int) -> int:
     """Return the number of hexadecimal digits for this many bits: one for each 4 bits, rounded up."""
-    return (bits + 3) // 4
+    return (bit_count + 3) // 4
 
 
-def _expected_value(value: Expression | int | str, bits: int) -> TextPart:
-    """Return the value that identifies an encoder in a field of ``bits`` bits, as text or in hexadecimal."""
-    if isinstance(value, str):
-        return CodeText(value)
-    number = value if isinstance(value, Expression) else Expression(value)
-    return Hex(number, _hex_digits_for(bits))
+def _expected_value(stated_value: Expression | int | str, bit_count: int) -> TextPart:
+    """Return the value that identifies an encoder in a field of ``bit_count`` bits, as text or in hexadecimal."""
+    if isinstance(stated_value, str):
+        return CodeText(stated_value)
+    number = stated_value if isinstance(stated_value, Expression) else Expression(stated_value)
+    return Hex(number, _hex_digits_for(bit_count))
 
 
-def choices(values: tuple[Value, ...]) -> Statement:
+def describe_choices(values: tuple[Value, ...]) -> Statement:
     """Return all named values in one statement, such as ``0 off, 1 on, 1Fh test``."""
     numbers_and_names = [(f"{short_number(named_value.value)} ", CodeText(named_value.name)) for named_value in values]
     return statement(*join_groups(numbers_and_names), label="Values")
 
 
-def describe_value(named_value: Value, bits: int) -> Statement:
-    """Return a named value of a ``bits``-bit field: its number, names, meaning and verdict, ``1Fh test (TST): …``."""
+def describe_value(named_value: Value, bit_count: int) -> Statement:
+    """Return a named value of a field of ``bit_count`` bits: its number, names, meaning, verdict, ``1Fh test: …``."""
     manual_names = own_names(named_value)
     names_text = f" ({manual_names})" if manual_names else ""
     meaning_text = f": {named_value.meaning}" if named_value.meaning else ""
-    number_text = hexadecimal(named_value.value, _hex_digits_for(bits))
-    name = CodeText(named_value.name)
+    number_text = hexadecimal(named_value.value, _hex_digits_for(bit_count))
+    name_as_code = CodeText(named_value.name)
     return statement(
         f"{number_text} ",
-        name,
+        name_as_code,
         names_text,
         meaning_text,
         _verdict_in_parentheses(named_value),

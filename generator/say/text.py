@@ -38,9 +38,9 @@ _LANGUAGE_NAMES = {
 
 def hertz(value: int) -> str:
     """Return a frequency in the largest unit that gives at least 1, such as ``2.5 MHz``."""
-    for factor, unit in ((1_000_000, "MHz"), (1_000, "kHz")):
-        if value >= factor:
-            return f"{value / factor:g} {unit}"
+    for hz_per_unit, unit in ((1_000_000, "MHz"), (1_000, "kHz")):
+        if value >= hz_per_unit:
+            return f"{value / hz_per_unit:g} {unit}"
     return f"{value} Hz"
 
 
@@ -51,9 +51,9 @@ def volts(millivolts: int) -> str:
 
 def time_text(microseconds: int) -> str:
     """Return a time in the largest unit that gives a whole number: 1500 is ``1500 µs``, and 2000 is ``2 ms``."""
-    for factor, unit in ((1_000_000, "s"), (1_000, "ms")):
-        if microseconds >= factor and microseconds % factor == 0:
-            return f"{microseconds // factor} {unit}"
+    for microseconds_per_unit, unit in ((1_000_000, "s"), (1_000, "ms")):
+        if microseconds >= microseconds_per_unit and microseconds % microseconds_per_unit == 0:
+            return f"{microseconds // microseconds_per_unit} {unit}"
     return f"{microseconds} µs"
 
 
@@ -88,9 +88,9 @@ def timeout_words(timeout: Timeout) -> str:
     return ", ".join(rule_and_limits)
 
 
-def language_name(key: str) -> str:
+def language_name(language_code: str) -> str:
     """Return the English name of a language, or its code if the name is not listed: ``it`` becomes ``Italian``."""
-    return _LANGUAGE_NAMES.get(key, key)
+    return _LANGUAGE_NAMES.get(language_code, language_code)
 
 
 def as_sentence(text: str) -> str:
@@ -156,8 +156,8 @@ TextPart = str | CodeText | Reference | Expression | Amount | Hex | Level
 class Statement:
     """Sentence without its period, or a fact with a label, such as ``100 kHz to 4 MHz`` with the label ``Clock``.
 
-    A statement with other statements in ``below`` is only a heading for them. Outputs put them on separate lines if
-    they can.
+    A statement with other statements in ``statements_below`` is only a heading for them. Outputs put them on separate
+    lines if they can.
     """
 
     parts: tuple[TextPart, ...]
@@ -165,7 +165,7 @@ class Statement:
     source: Sources = ()
     #: Short form, for outputs that print the full statement elsewhere. None if there is no short form.
     brief: str | None = None
-    below: tuple[Statement, ...] = ()
+    statements_below: tuple[Statement, ...] = ()
 
 
 def statement(*parts: TextPart, label: str = "", source: Sources = ()) -> Statement:
@@ -179,10 +179,10 @@ def spec_text(text: str, label: str = "", source: Sources = ()) -> Iterator[Stat
         yield statement(text, label=label, source=source)
 
 
-def list_parts(items: Sequence[TextPart], last: str = " and ") -> Iterator[TextPart]:
+def list_parts(parts: Sequence[TextPart], last: str = " and ") -> Iterator[TextPart]:
     """Yield the items of a list with separators between them: ``a, b and c``. ``last`` is the last separator."""
-    for index, part in enumerate(items):
-        is_last = index == len(items) - 1
+    for index, part in enumerate(parts):
+        is_last = index == len(parts) - 1
         if index > 0:
             separator = last if is_last else ", "
             yield separator
@@ -230,7 +230,7 @@ class Style:
 
         The period follows the source. It is omitted if the text in front of the source already ends with punctuation.
         """
-        if statement.below:
+        if statement.statements_below:
             return " ".join(self.lines(statement))
         label = f"{self.text(statement.label)}: " if statement.label else ""
         phrase = self.phrase(statement)
@@ -247,9 +247,9 @@ class Style:
 
     def lines(self, statement: Statement) -> list[str]:
         """Return the statement as a single line, or as its heading with one more line for each statement below it."""
-        if not statement.below:
+        if not statement.statements_below:
             return [self.sentence(statement)]
-        return [f"{self.head(statement)}:", *map(self.sentence, statement.below)]
+        return [f"{self.head(statement)}:", *map(self.sentence, statement.statements_below)]
 
     def paragraph(self, statements: Iterable[Statement]) -> str:
         """Return several statements as one paragraph."""
@@ -328,8 +328,8 @@ def _code_span(code_text: str) -> str:
     if not code_text:
         return ""
     # The fence is longer than any run of backticks in the text.
-    longest_run = max(map(len, re.findall("`+", code_text)), default=0)
-    fence = "`" * (longest_run + 1)
+    longest_backtick_run = max(map(len, re.findall("`+", code_text)), default=0)
+    fence = "`" * (longest_backtick_run + 1)
     touches_fence = code_text.startswith("`") or code_text.endswith("`")
     # A space, which Markdown removes, separates backticks of the text from the fence.
     space = " " if touches_fence else ""
@@ -342,12 +342,12 @@ def wrap_markdown(value: str) -> str:
     return "\n".join(_BLOCK_START.sub(_escaped_start, line) for line in lines)
 
 
-def _escaped_start(match: re.Match[str]) -> str:
+def _escaped_start(match_of_start: re.Match[str]) -> str:
     """Return the first characters of a line with the sign that would start a list, heading or rule escaped.
 
     For example, ``1.`` becomes ``1\\.``, and ``-`` becomes ``\\-``.
     """
-    item_number, sign_after_number, other_sign = match.groups()
+    item_number, sign_after_number, other_sign = match_of_start.groups()
     return f"{item_number}\\{sign_after_number}" if item_number else f"\\{other_sign}"
 
 
@@ -398,15 +398,15 @@ def anchor_of(name: str) -> str:
     return f'<a id="{name}"></a>'
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a Markdown table, with the columns omitted that are empty in all rows, or "" if no column remains."""
     row_lists = [list(row) for row in rows]
-    filled_columns = [column for column in range(len(head)) if _has_text(row_lists, column)]
+    filled_columns = [column for column in range(len(headings)) if _has_text(row_lists, column)]
     if not filled_columns:
         return ""
-    rule = ["---"] * len(head)
+    separator_row = ["---"] * len(headings)
     lines = []
-    for row in (head, rule, *row_lists):
+    for row in (headings, separator_row, *row_lists):
         cells = [row[column] for column in filled_columns]
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
@@ -417,9 +417,9 @@ def _has_text(rows: Sequence[Sequence[str]], column: int) -> bool:
     return any(row[column] for row in rows)
 
 
-def join_filled(parts: Iterable[str], between: str = "<br>") -> str:
+def join_filled(texts: Iterable[str], between: str = "<br>") -> str:
     """Join the parts that are not empty."""
-    return between.join(part for part in parts if part)
+    return between.join(text for text in texts if text)
 
 
 def reference(ref: Reference) -> str:

@@ -351,8 +351,8 @@ case(
 )
 case(
     "cable_clock",
-    lambda: cable_table(tv62(), biss()).about(20_000_000),
-    lambda: cable_table(tv62(), biss()).about(1_000_000),
+    lambda: cable_table(tv62(), biss()).sentence_on_clock(20_000_000),
+    lambda: cable_table(tv62(), biss()).sentence_on_clock(1_000_000),
 )
 
 ONE_LED = Led(name="power", title="Power", states=(LedState(state="on", meaning="Supply is on"),), source=())
@@ -510,10 +510,14 @@ case(
 )
 case(
     "special_model",
-    lambda: printed(origin.origin(special_model("S123"))),
-    lambda: printed(origin.origin(special_model(""))),
+    lambda: printed(origin.differences_from_manual(special_model("S123"))),
+    lambda: printed(origin.differences_from_manual(special_model(""))),
 )
-case("edition", lambda: printed(origin.origin(replace(tv62(), edition="1.0"))), lambda: printed(origin.origin(tv62())))
+case(
+    "edition",
+    lambda: printed(origin.differences_from_manual(replace(tv62(), edition="1.0"))),
+    lambda: printed(origin.differences_from_manual(tv62())),
+)
 case("succession", lambda: succession_text(True), lambda: succession_text(False))
 case("read_only", lambda: access_text("read_only"), lambda: access_text("read_write"))
 case("write_only", lambda: access_text("write_only"), lambda: access_text("read_write"))
@@ -546,7 +550,7 @@ case("no_field", lambda: run_names(True), lambda: run_names(False))
 
 
 def field_rules(placed_field: Field) -> str:
-    return printed(field.rules(tv62(), placed_field))
+    return printed(field.describe_field_rules(tv62(), placed_field))
 
 
 def alarm_row(implemented: bool) -> str:
@@ -617,7 +621,7 @@ def run_names(has_gap: bool) -> str:
     word = interface_of("ssi").layouts[0]
     fields = tuple(present for present in word.fields if not (has_gap and present.name == "alarm"))
     placed = replace(word, fields=fields).place(tv62().variants_over("ssi")[0].parameters)
-    return " ".join(run.name for run in layout_pictures.runs_of(placed))
+    return " ".join(run.name for run in layout_pictures.runs_of_layout(placed))
 
 
 # -- errata

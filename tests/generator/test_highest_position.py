@@ -135,7 +135,7 @@ def positions_in_readme(device: Device, counts_per_turn: int) -> list[tuple[str,
     variant = device.variants[0]
     small = replace(variant, parameters={**variant.parameters, "counts": counts_per_turn})
     context: Any = SimpleNamespace(device=replace(device, variants=(small,)))
-    return [(example.text, example.result) for example in Readme(context, (), {}, {}).positions]
+    return [(example.argument, example.printed_text) for example in Readme(context, (), {}, {}).position_examples]
 
 
 def test_the_readme_unwraps_only_where_the_way_forward_is_shorter(device: Device) -> None:

@@ -29,7 +29,7 @@ from codewheel.readings.compare import compare
 from codewheel.readings.reading import FactClass, SpecReading
 from codewheel.readings.second_readings import facts_of
 from codewheel.targets.python import facts
-from codewheel.targets.python.facts import register_rows
+from codewheel.targets.python.facts import record_by_register
 
 SPEC = Path(__file__).parents[2] / "specs/lika/amm5.yaml"
 #: Records with another name than the part of the model.
@@ -178,7 +178,7 @@ def test_a_documented_property_reaches_every_output_diff_and_the_second_reading(
     assert 'needs_restart="true"' in to_xml(dump)
     assert 'name="needs_restart"' in schema_text()
     assert schema.show_schema()["$defs"]["register"]["properties"]["needs_restart"]["type"] == "boolean"
-    assert [key for key, row in register_rows(new).items() if "needs_restart=True" in row.flat] == [name]
+    assert [key for key, row in record_by_register(new).items() if "needs_restart=True" in row.flat] == [name]
     (change,) = compare_family(old, new)
     assert change.text.endswith(f" {name}: needs restart no → yes")
     assert change.rule.name == "register-rule"

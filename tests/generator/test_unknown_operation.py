@@ -77,7 +77,7 @@ ASKING = {
         ("facts", "_field_record"),
         ("first_byte", "_codes_by_first_byte"),
         ("procedures", "members"),
-        ("facts", "held_record"),
+        ("facts", "record_of_held_parameter"),
     },
     "browser": set[Place](),
 }

@@ -17,7 +17,7 @@ from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.masters.encoder_facts import EncoderFacts
 from codewheel.masters.order_code_facts import facts_of_order_code
-from codewheel.masters.setting_values import actual_value
+from codewheel.masters.setting_values import fact_in_words
 from codewheel.model import Biss, Device
 from codewheel.order_codes.parameters import with_sent_layouts
 from codewheel.order_codes.quantities import with_quantities
@@ -76,7 +76,7 @@ def test_the_counts_decide_where_the_revolutions_end(
     encoder_record = three(made, f"THREE-{output}-{widths}")
     status = [("error", "status", 1), ("warning", "status", 1)]
     last = {"S": [], "P": [("parity", "parity", 1)], "B": [("crc", "crc", 6)]}[output]
-    assert [(part.name, part.role, part.bits) for part in encoder_record.parts] == [*parts, *status, *last]
+    assert [(part.name, part.role, part.bits) for part in encoder_record.frame_parts] == [*parts, *status, *last]
     assert encoder_record.obstacle == ""
     assert encoder_record.words["singleturn_codes"] == "all"
     assert encoder_record.words["parity"] == ("even" if output == "P" else "none")
@@ -216,7 +216,7 @@ def test_words_of_a_manual(made: dict[str, Device]) -> None:
     }
     for (name, value), text in expected.items():
         changed = replace(encoder_record, words={**encoder_record.words, name: value})
-        assert actual_value(name, changed) == text
+        assert fact_in_words(name, changed) == text
 
 
 def test_numbers_in_words(made: dict[str, Device]) -> None:
@@ -230,4 +230,4 @@ def test_numbers_in_words(made: dict[str, Device]) -> None:
         "crc_start": "start value of the CRC: 0",
         "crc_polynomial": "CRC polynomial with its top bit: 0x43",
     }
-    assert {name: actual_value(name, encoder_record) for name in expected} == expected
+    assert {name: fact_in_words(name, encoder_record) for name in expected} == expected

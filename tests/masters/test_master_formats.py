@@ -18,7 +18,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.language.keys_of_masters import FILE_FORMATS
 from codewheel.masters.encoder_facts import EncoderFacts
-from codewheel.masters.frame_parts import NoRecord
+from codewheel.masters.frame_parts import NoMasterSettings
 from codewheel.masters.groups import facts_of_order_codes
 from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, SettingsSheet, sheet
@@ -328,7 +328,7 @@ def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict
     for device, variant in variants:
         if variant.code not in codes:
             with pytest.raises(
-                NoRecord, match="has the interface RS-485; there are masters for SSI and BiSS C-mode only"
+                NoMasterSettings, match="has the interface RS-485; there are masters for SSI and BiSS C-mode only"
             ):
                 facts_of_order_code(device, variant)
     file_count = 0

@@ -10,7 +10,7 @@ import pytest
 from codewheel.language.keys_of_masters import NUMBERS, WORDS
 from codewheel.loading.library import load_library
 from codewheel.masters.encoder_facts import EncoderFacts, Undecided
-from codewheel.masters.frame_parts import NoRecord
+from codewheel.masters.frame_parts import NoMasterSettings
 from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, sheet
 from codewheel.model import Biss, Constant, Device, Field, Number
@@ -72,7 +72,7 @@ def test_every_item(record_of: RecordOf) -> None:
     encoder_record = record_of("SMA21-SC1-0050")
     assert encoder_record.words == SMA21_WORDS
     assert encoder_record.numbers == SMA21_NUMBERS
-    assert [(part.name, part.role, part.bits, part.active) for part in encoder_record.parts] == [
+    assert [(part.name, part.role, part.bits, part.active) for part in encoder_record.frame_parts] == [
         ("padding", "padding", 4, ""),
         ("position", "singleturn", 20, ""),
         ("error", "status", 1, "low"),
@@ -112,7 +112,7 @@ def test_items(record_of: RecordOf, code: str, number_name: str, value: int | No
 def test_status_bits_that_never_speak(record_of: RecordOf) -> None:
     """AM36 always sends error and warning as 1, which suits a master that expects active low status bits."""
     encoder_record = record_of("AM3616/4096-I7")
-    assert [part.active for part in encoder_record.parts if part.role == "status"] == ["", ""]
+    assert [part.active for part in encoder_record.frame_parts if part.role == "status"] == ["", ""]
     assert encoder_record.words["status_active"] == "low"
     assert "error and warning: always 1, which a master treats as an inactive status bit." in encoder_record.notes
 
@@ -195,7 +195,7 @@ def test_gray_over_biss(devices: Mapping[str, Device], masters: dict[str, Master
 
 
 def test_rs485_has_no_master(record_of: RecordOf) -> None:
-    with pytest.raises(NoRecord, match="has the interface RS-485"):
+    with pytest.raises(NoMasterSettings, match="has the interface RS-485"):
         record_of("AMM5A23/65KJP1")
 
 
@@ -221,14 +221,15 @@ def test_other_frames(devices: Mapping[str, Device]) -> None:
     for kind in (Number(), Constant()):
         changed_device = with_fields(position, zero, error, replace(warning, kind=kind), crc)
         roles = {
-            part.name: part.role for part in facts_of_order_code(changed_device, variant, answers=AS_PRINTED).parts
+            part.name: part.role
+            for part in facts_of_order_code(changed_device, variant, answers=AS_PRINTED).frame_parts
         }
         assert (roles["error"], roles["warning"], roles["crc"]) == ("status", "other", "crc")
     gap_record = facts_of_order_code(with_fields(position, error, warning, crc), variant, answers=AS_PRINTED)
     assert "the bits of 'single_cycle_data' above 'error' have no meaning" in gap_record.obstacle
-    assert [part.name for part in gap_record.parts] == ["position", "error", "warning", "crc"]
+    assert [part.name for part in gap_record.frame_parts] == ["position", "error", "warning", "crc"]
     bare = replace(with_fields(replace(position, name="angle"), zero, error, warning, crc), measurement=None)
-    with pytest.raises(NoRecord, match="no frame of BiSS C-mode carries 'position'"):
+    with pytest.raises(NoMasterSettings, match="no frame of BiSS C-mode carries 'position'"):
         facts_of_order_code(bare, variant, answers=AS_PRINTED)
 
 

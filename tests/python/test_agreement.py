@@ -39,7 +39,7 @@ from codewheel.reference.codec import EncodeError, decode, decode_bytes, encode
 from codewheel.reference.findings import DecodedFrame, findings
 from codewheel.reference.registers import register_writes
 from codewheel.targets import Library
-from codewheel.targets.python.names import CLASS_NAMES, ModuleContext, attribute
+from codewheel.targets.python.names import CLASS_NAMES, DeviceNames, python_name
 from exhaustive import mostly_exhaustive
 
 pytestmark = pytest.mark.slow
@@ -91,11 +91,15 @@ class Family:
     module: Any
 
     @cached_property
-    def names(self) -> ModuleContext:
-        return ModuleContext(self.device)
+    def names(self) -> DeviceNames:
+        return DeviceNames(self.device)
 
     def view(self, layout: Layout, register: Register | None) -> Any:
-        name = self.names.frames[layout.name] if register is None else self.names.registers[register.name]
+        name = (
+            self.names.class_name_by_frame[layout.name]
+            if register is None
+            else self.names.class_name_by_register[register.name]
+        )
         return getattr(self.module, name)
 
 
@@ -172,7 +176,7 @@ def states(family: Family, variant: Variant) -> Iterator[tuple[Variant, Any]]:
         changed_encoder = encoder.with_registers(register_bytes)
         for changed_parameter in device.parameters:
             if not changed_parameter.alternative and changed_parameter.interface in ("", variant.interface):
-                package_value = getattr(changed_encoder, attribute(changed_parameter.name, ("class",)))
+                package_value = getattr(changed_encoder, python_name(changed_parameter.name, ("class",)))
                 assert package_value == changed_variant.parameters[changed_parameter.name]
         yield changed_variant, changed_encoder
 
@@ -224,7 +228,7 @@ def _with_answers(
         for answers in itertools.product(*(alternative.answers for alternative in alternatives)):
             names = [alternative.name for alternative in alternatives]
             answer_names = [answer.name for answer in answers]
-            kinds = [getattr(family.module, family.names.questions[name].kind) for name in names]
+            kinds = [getattr(family.module, family.names.question_by_name[name].enum_name) for name in names]
             members = [kind[name.upper()] for kind, name in zip(kinds, answer_names, strict=True)]
             decided_state = with_answers(family.device, state, dict(zip(names, answer_names, strict=True)))
             yield layout, register, decided_state, tuple(members)
@@ -369,7 +373,7 @@ def compare_values(expected: DecodedFrame, decoded: Any, layout: Layout) -> None
     for expected_field in expected.fields:
         if expected_field.name in fixed:
             continue
-        value = getattr(decoded, attribute(expected_field.name, CLASS_NAMES))
+        value = getattr(decoded, python_name(expected_field.name, CLASS_NAMES))
         assert (
             value.name.lower() if hasattr(value, "name") and isinstance(expected_field.value, str) else value
         ) == expected_field.value, expected_field.name
@@ -486,8 +490,8 @@ def byte_frames(family: Family, layouts: tuple[Layout, ...], source: random.Rand
 def first_answers(family: Family) -> dict[str, Any]:
     """Return the first answer to each open question, which the model uses."""
     answers = {}
-    for alternative in family.names.questions.values():
-        kind = getattr(family.module, alternative.kind)
+    for alternative in family.names.question_by_name.values():
+        kind = getattr(family.module, alternative.enum_name)
         answers[alternative.name] = kind[alternative.alternative.answers[0].name.upper()]
     return answers
 
@@ -528,7 +532,7 @@ def test_procedures_write_what_they_write_on_paper(family: Family) -> None:
     """Arguments at their limits and beyond."""
     source = random.Random(family.device.name)
     for procedure in family.device.procedures:
-        build = getattr(family.module, family.names.procedures[procedure.name])
+        build = getattr(family.module, family.names.function_name_by_procedure[procedure.name])
         variants = [variant for variant in family.device.variants if variant.interface == procedure.interface]
         for variant in variants:
             takes_variant = build.__code__.co_varnames[:1] == ("variant",)

@@ -29,7 +29,7 @@ from codewheel.model import (
     Variant,
 )
 from codewheel.order_codes.labels import UnknownOrderCode, find_code
-from codewheel.targets.python.names import CLASS_NAMES, ModuleContext, attribute
+from codewheel.targets.python.names import CLASS_NAMES, DeviceNames, python_name
 
 _Kind = TypeVar("_Kind", bound=Example)
 ERRORS = {"length": "LengthError", "crc": "CrcError", "constant": "ConstantError", "range": "RangeError"}
@@ -42,11 +42,11 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
 
 def examples(
     lika: Any, devices: Mapping[str, Device], kind: type[_Kind]
-) -> Iterator[tuple[Device, Any, ModuleContext, _Kind]]:
+) -> Iterator[tuple[Device, Any, DeviceNames, _Kind]]:
     """Return the worked examples of a kind in all families, each with the family, its module and the names in it."""
     has_examples = False
     for device in devices.values():
-        names = ModuleContext(device)
+        names = DeviceNames(device)
         for example in device.examples:
             if isinstance(example, kind):
                 has_examples = True
@@ -57,7 +57,7 @@ def examples(
 def values_by_name(decoded: Any, names: Mapping[str, object], layout: Layout) -> dict[str, object]:
     """Return attributes as the specs write them: a named value, and unused bits by the name of their field."""
     unused = {field.name: (field, place) for field, place in layout.unused}
-    attributes = {name: getattr(decoded, attribute(name, CLASS_NAMES)) for name in names if name not in unused}
+    attributes = {name: getattr(decoded, python_name(name, CLASS_NAMES)) for name in names if name not in unused}
     for field, place in (unused[name] for name in names if name in unused):
         assert isinstance(field.kind, Unused)
         attributes[field.name] = decoded.unused >> place & ((1 << field.widest) - 1) ^ field.kind.value
@@ -72,7 +72,7 @@ def values_by_name(decoded: Any, names: Mapping[str, object], layout: Layout) ->
 
 def test_register_examples(lika: Any, devices: Mapping[str, Device]) -> None:
     for device, module, names, example in examples(lika, devices, RegisterExample):
-        register = getattr(module, names.registers[example.register])
+        register = getattr(module, names.class_name_by_register[example.register])
         takes_variant = "variant" in getattr(register, "_fields", ())
         extra_arguments = [lika.lookup(example.order_code)] if takes_variant else []
         decoded = register.decode(example.bytes, *extra_arguments)
@@ -110,7 +110,7 @@ def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
         frame = int(example.bits, 2) if example.bits else example.bytes
         answers = {}
         for name, answer in answers_of_example(device, variant.interface.name, example).items():
-            answers[name] = getattr(module, names.questions[name].kind)[answer.upper()]
+            answers[name] = getattr(module, names.question_by_name[name].enum_name)[answer.upper()]
         decode = variant.decode if example.sender == "encoder" else partial(module.decode_request, variant=variant)
         decode = partial(decode, **answers)
         if example.refused:
@@ -118,7 +118,7 @@ def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
                 decode(frame)
             continue
         decoded = decode(frame)
-        layouts = {names.frames[layout.name]: layout for _, layout in device.layouts()}
+        layouts = {names.class_name_by_frame[layout.name]: layout for _, layout in device.layouts()}
         layout = layouts[type(decoded).__name__]
         assert example.layout in ("", layout.name)
         assert values_by_name(decoded, example.values, layout) == example.values, (device.name, example.name)
@@ -179,7 +179,7 @@ def test_the_order_codes_of_all_families(lika: Any, devices: Mapping[str, Device
                 for parameter in parameters:
                     if parameter.interface in ("", variant.interface):
                         assert (
-                            getattr(encoder, attribute(parameter.name, ("class",)))
+                            getattr(encoder, python_name(parameter.name, ("class",)))
                             == variant.parameters[parameter.name]
                         )
             for part in device.order_code.parts:
@@ -536,7 +536,7 @@ def test_registers_encode_what_they_decoded(lika: Any, devices: Mapping[str, Dev
         lika.amm5.ManufacturerId("\u0100x").encode()
     source, tried = random.Random(7), 0
     for device in devices.values():
-        module, names = getattr(lika, device.name), ModuleContext(device).registers
+        module, names = getattr(lika, device.name), DeviceNames(device).class_name_by_register
         for register in device.registers:
             if register.name not in names:
                 continue
@@ -622,19 +622,19 @@ def test_facts_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device])
 
 def test_bit_fields_are_those_of_the_model(lika: Any, devices: Mapping[str, Device]) -> None:
     for device in devices.values():
-        module, names = getattr(lika, device.name), ModuleContext(device)
+        module, names = getattr(lika, device.name), DeviceNames(device)
         for variant in device.variants:
             frames = device.interface(variant.interface).layouts
-            views = [(frame, names.frames[frame.name]) for frame in frames]
+            views = [(frame, names.class_name_by_frame[frame.name]) for frame in frames]
             registers = [register for register in device.registers if register.interface == variant.interface]
-            views += [(register.layout, names.registers[register.name]) for register in registers]
+            views += [(register.layout, names.class_name_by_register[register.name]) for register in registers]
             for layout, name in views:
                 view = getattr(module, name)
                 if not hasattr(view, "bit_fields"):
                     continue
                 extra_arguments = [module.VARIANTS[variant.code]] if "variant" in view._fields else []
                 # The model uses the first answer to an open question.
-                kinds = [getattr(module, alternative.kind) for alternative in names.questions_of(layout)]
+                kinds = [getattr(module, alternative.enum_name) for alternative in names.questions_of(layout)]
                 extra_arguments += [next(iter(kind)) for kind in kinds]
                 bit_fields = [field for field in view.bit_fields(*extra_arguments) if field.width]
                 placed_fields = layout.place(variant.parameters).fields

@@ -12,7 +12,7 @@ import pytest
 from codewheel.model import Verdict
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
-from codewheel.targets.python.names import CLASS_NAMES, attribute
+from codewheel.targets.python.names import CLASS_NAMES, python_name
 from test_agreement import CASES_OF_FAMILIES, KINDS, Case, Family, arguments_of, cases, families, family, values_of
 
 __all__ = ["families", "family"]
@@ -130,7 +130,7 @@ def test_columns_are_what_the_model_says(family: Family) -> None:
 
 
 def check_columns_with_the_model(case: Case, table: Any, frame_numbers: list[int]) -> None:
-    device, names = case.family.device, {name: attribute(name, CLASS_NAMES) for name in model_names(case)}
+    device, names = case.family.device, {name: python_name(name, CLASS_NAMES) for name in model_names(case)}
     columns = {name: table[column].tolist() for name, column in names.items() if column in table}
     faults, reports = table.fault.tolist(), {name: column.tolist() for name, column in table.reports.items()}
     judged = table.verdict.tolist() if "verdict" in table else None

@@ -20,7 +20,7 @@ from codewheel.model import Device, Flag, Layout, PlacedLayout, Variant, number_
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.say.commands_and_alarms import alarm_of, meaning, remedy
-from codewheel.targets.python.names import ModuleContext
+from codewheel.targets.python.names import DeviceNames
 from exhaustive import mostly_exhaustive
 from python_path import python_path
 
@@ -58,7 +58,7 @@ def values_without_reports(placed: PlacedLayout) -> dict[str, int | str | bool]:
 
 def answers(view: Any, device: Device, layout: Layout) -> dict[str, Any]:
     """Return the first answers to the open questions about a frame, which the model uses."""
-    kinds = {alternative.name: alternative.kind for alternative in ModuleContext(device).questions_of(layout)}
+    kinds = {alternative.name: alternative.enum_name for alternative in DeviceNames(device).questions_of(layout)}
     return {name: next(iter(getattr(view, kind))) for name, kind in kinds.items()}
 
 
@@ -174,7 +174,7 @@ def test_every_state_of_the_flags(lika: Any, devices: Mapping[str, Device], firs
     source = random.Random("flags")
     for device, layout, variant, placed in list(encoder_frames(devices))[first_frame::4]:
         view = getattr(lika, device.name)
-        encoder, frames = view.VARIANTS[variant.code], ModuleContext(device).frames
+        encoder, frames = view.VARIANTS[variant.code], DeviceNames(device).class_name_by_frame
         flags = [field.name for field in layout.fields if isinstance(field.kind, Flag)]
         ones = sum(((1 << field.widest) - 1) << place for field, place in layout.unused)
         single_bits = [1 << bit for bit in range(64) if ones >> bit & 1]
@@ -196,7 +196,7 @@ def test_every_state_of_the_flags(lika: Any, devices: Mapping[str, Device], firs
 
 def test_a_frame_with_a_position_has_a_verdict(lika: Any, devices: Mapping[str, Device]) -> None:
     for device, layout, variant, _ in encoder_frames(devices):
-        view = getattr(getattr(lika, device.name), ModuleContext(device).frames[layout.name])
+        view = getattr(getattr(lika, device.name), DeviceNames(device).class_name_by_frame[layout.name])
         assert hasattr(view, "verdict") == device.sends_position(variant.interface, layout)
 
 

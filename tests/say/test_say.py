@@ -113,7 +113,7 @@ def of_register(device: Device, name: str) -> Iterator[Statement]:
 
 def of_field(device: Device, path: str) -> Iterator[Statement]:
     owner, _, name = path.partition(".")
-    return field.rules(device, device.register(owner).layout.field(name))
+    return field.describe_field_rules(device, device.register(owner).layout.field(name))
 
 
 def of_interface(device: Device, kind: str) -> Iterator[Statement]:

@@ -17,7 +17,7 @@ import settings_data
 from chromium import Browser
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
-from codewheel.masters.frame_parts import NoRecord
+from codewheel.masters.frame_parts import NoMasterSettings
 from codewheel.masters.groups import facts_of_order_codes
 from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import sheet, shipped_masters
@@ -261,7 +261,7 @@ def printed_or_reason(device: Device, match: LabelMatch, cable: int | None, answ
     """Return what the command prints for each master of the interface, or why there are no settings."""
     try:
         facts = facts_of_order_code(device, match.variant, cable_m=cable, answers=answers)
-    except NoRecord as error:
+    except NoMasterSettings as error:
         return str(error)
     if facts.obstacle:
         return [sheet_text(device, match, facts, [])]

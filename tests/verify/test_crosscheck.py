@@ -27,7 +27,7 @@ from codewheel.reference import codec as reference
 from codewheel.reference.codec import UNUSED
 from codewheel.reference.findings import findings
 from codewheel.targets.c.names import c_name
-from codewheel.targets.python.names import ModuleContext
+from codewheel.targets.python.names import DeviceNames
 from frames import chunks, input_of, wires
 from test_c_reports import report_key
 from tools import tool
@@ -48,9 +48,12 @@ class Peer:
     """The Python class of a layout: it decodes, lists its members in the order of the struct, and encodes."""
 
     def __init__(self, batch: Batch, codec: Codec, module: ModuleType) -> None:
-        self.names = names = ModuleContext(batch.device)
+        self.names = names = DeviceNames(batch.device)
         self.module = module
-        self.kind = getattr(module, names.frames.get(codec.name) or names.registers[codec.name.removeprefix("reg_")])
+        self.kind = getattr(
+            module,
+            names.class_name_by_frame.get(codec.name) or names.class_name_by_register[codec.name.removeprefix("reg_")],
+        )
         self.takes_variant = "variant" in inspect.signature(self.kind.decode).parameters
         field_names = [
             *(field.name for field in codec.layout.fields),
@@ -73,7 +76,7 @@ class Peer:
         #: Open questions about the layout: the name of each alternative, and its answers in order.
         self.open = {}
         for alternative in batch.device.alternatives_of(codec.layout):
-            answers = getattr(module, names.questions[alternative.name].kind)
+            answers = getattr(module, names.question_by_name[alternative.name].enum_name)
             self.open[alternative.name] = [answers[answer.name.upper()] for answer in alternative.answers]
         package = importlib.import_module(module.__name__.partition(".")[0])
         self.error = package.FrameError
@@ -96,7 +99,7 @@ class Peer:
                 contents |= {address + index: byte for index, byte in enumerate(bytes.fromhex(data))}
             elif alternatives[name].default:
                 answer = alternatives[name].answers[int(data, 16)]
-                answers[name] = getattr(self.module, self.names.questions[name].kind)[answer.name.upper()]
+                answers[name] = getattr(self.module, self.names.question_by_name[name].enum_name)[answer.name.upper()]
         encoder = self.module.lookup(label)
         encoder = encoder.with_registers(contents) if contents else encoder
         return encoder.with_answers(**answers) if answers else encoder

@@ -20,7 +20,7 @@ from batch import Batch, Codec, member_format, stdio_entry
 from c_harness import compile_c
 from codewheel.model import Layout
 from codewheel.plan.verdicts import reports_of
-from codewheel.targets.python.names import CLASS_NAMES, attribute
+from codewheel.targets.python.names import CLASS_NAMES, python_name
 from frames import chunks, input_of
 from test_crosscheck import LENGTH, NO_VERDICT, Peer
 from tools import tool
@@ -125,7 +125,7 @@ def compare(batch: Batch, codec: Codec, table: Any, answers: Any) -> None:
     sound = table.fault == 0
     compared = set()
     for name in names_of(codec.layout):
-        column = attribute(name, CLASS_NAMES)
+        column = python_name(name, CLASS_NAMES)
         member = next((member.name for member in codec.members if member.name in (name, f"{name}_")), None)
         if column in table and member is not None:
             assert (table[column][sound] == answers[member][sound]).all(), (codec.name, name)

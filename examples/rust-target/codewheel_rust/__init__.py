@@ -13,7 +13,7 @@ from codewheel.plan.limits import Refusal, refusals
 from codewheel.plan.operations import Check, ConstantNumber, ParityOf, ReservedBits, ValueOfField
 from codewheel.render import Templates, tests_for
 from codewheel.say.layout import describe_crc
-from codewheel.say.order_code import describe_parameter, order_code
+from codewheel.say.order_code import describe_order_code, describe_parameter
 from codewheel.say.register import describe_value
 from codewheel.targets import Library, Option, Options, Target, TargetProblem
 
@@ -57,7 +57,7 @@ _TEXTS = (
     about.frame_text,
     about.register_text,
     describe_crc,
-    order_code,
+    describe_order_code,
     describe_parameter,
     describe_value,
 )

@@ -63,7 +63,9 @@ def _field_row(placed_layout: PlacedLayout, field: codec.DecodedField) -> _Field
     number_text = f"{field.raw:#x}"
     has_place = field.high >= 0  # A joined number has no place.
     if has_place:
-        place = bit_place(placed_layout.layout, length=placed_layout.bits, high=field.high, low=field.low)
+        place = bit_place(
+            placed_layout.layout, bit_count=placed_layout.bits, highest_bit=field.high, lowest_bit=field.low
+        )
         is_one_bit = field.high <= field.low
         if is_one_bit:
             number_text = str(field.raw)

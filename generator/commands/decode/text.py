@@ -14,7 +14,7 @@ from ...reference import codec
 from ...reference.findings import Findings, FrameReport
 from ...say import WIDTH, frame_texts
 from ...say.frame_texts import ANOTHER_FRAME, UNCERTAIN_READINGS
-from ...say.names_and_evidence import name_in_words, origin, placeholders
+from ...say.names_and_evidence import differences_from_manual, name_in_words, placeholders
 from ...say.order_code import not_on_label
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, as_sentence, count_with_unit
 from .field_table import capitalized, field_table, position_text, wrapped
@@ -186,7 +186,7 @@ def label_lines(device: Device, code_match: LabelMatch) -> Iterator[str]:
         yield wrapped(f"with {state} (from registers; --register changes them)", WIDTH, prefix="  ")
     # Text after the order code does not matter for decoding.
     yield from label_differences(device, replace(code_match, tail=""))
-    for statement in origin(device):
+    for statement in differences_from_manual(device):
         yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ")
 
 

@@ -24,7 +24,10 @@ def picture(placed_layout: PlacedLayout) -> list[str]:
     for placed_field in placed_layout.fields:
         box_text = _box_text(placed_field.field)
         place_text = bit_place(
-            placed_layout.layout, length=placed_layout.bits, high=placed_field.high, low=placed_field.low
+            placed_layout.layout,
+            bit_count=placed_layout.bits,
+            highest_bit=placed_field.high,
+            lowest_bit=placed_field.low,
         )
         width = max(len(box_text), len(place_text)) + 2  # with a space on each side
         width_with_edge = width + 1

@@ -34,7 +34,7 @@ from ...say import order_code as say_order_code
 from ...say import register as say_register
 from ...say.errata import describe_answer as say_answer
 from ...say.errata import describe_question, needed_answers
-from ...say.names_and_evidence import bits, describe_grade, field_at, hexadecimal, origin, short_number
+from ...say.names_and_evidence import bits, describe_grade, differences_from_manual, field_at, hexadecimal, short_number
 from ...say.order_code import describe_spelling, not_on_label, open_values
 from ...say.text import PLAIN_STYLE, Style, count_with_unit, language_name
 from ..decode.text import label_differences
@@ -95,7 +95,7 @@ def _manual_lines(device: Device) -> list[str]:
     date = f" of {manual.date}" if manual.date else ""
     language = language_name(manual.language)
     sentences = [f"from the manual {manual.title}, revision {manual.revision}{date}, in {language}"]
-    sentences += map(PLAIN_STYLE.sentence, (describe_grade(device), *origin(device)))
+    sentences += map(PLAIN_STYLE.sentence, (describe_grade(device), *differences_from_manual(device)))
     if device.editions:
         revisions = ", ".join(edition.revision for edition in device.editions)
         sentences.append(f"--edition shows the others: {revisions}")
@@ -369,7 +369,7 @@ def _lines_about_register(device: Device, register: Register, variant: Variant |
     fields = register.layout.fields
     facts = list(say_register.describe_register_facts(device, register))
     if len(fields) == 1:
-        facts += say_register.rules(device, fields[0])
+        facts += say_register.describe_field_rules(device, fields[0])
     if facts:
         lines.append(wrap_text(style.paragraph(facts), WIDTH, prefix="    "))
     if len(fields) > 1:
@@ -399,10 +399,10 @@ def _about_value(value: Value) -> str:
 
 def _about_field(device: Device, field: Field, style: Style) -> str:
     """Return the name of a field with its values and its rules."""
-    statements = list(say_register.rules(device, field))
+    statements = list(say_register.describe_field_rules(device, field))
     if field.values:
         # The values come before the rules.
-        statements.insert(0, say_register.choices(field.values))
+        statements.insert(0, say_register.describe_choices(field.values))
     values_and_rules = style.paragraph(statements)
     return f"{field.name}: {values_and_rules}" if values_and_rules else field.name
 

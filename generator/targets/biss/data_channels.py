@@ -20,7 +20,7 @@ from ...order_codes.parameters import run_time_widths
 from ...plan.values import ActiveFlag, meaning_of
 from ...say import count_with_unit, in_ascii, text_on_one_line
 from ...say import order_code as say_order_code
-from ...say.errata import describe_erratum, errata
+from ...say.errata import describe_erratum, errata_affecting
 from ...say.layout import crc_parameters
 from ...say.names_and_evidence import field_at
 from ...say.order_code import words_for_initial_values
@@ -238,7 +238,7 @@ def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list
     register_paths = [f"registers.{id_bits.register}" for id_bits in ids]
     paths = (f"interfaces.biss.{layout.name}", *dict.fromkeys(register_paths))
     indented_lines = []
-    for frame_erratum in errata(device, *paths):
+    for frame_erratum in errata_affecting(device, *paths):
         first_line, *further_lines = PLAIN_STYLE.lines(describe_erratum(frame_erratum))
         indented_lines.append(f"  {first_line}")
         indented_lines += [f"    {line}" for line in further_lines]

@@ -36,7 +36,14 @@ from ...plan.frames import FrameDispatch, HeldParameter, dispatches, held_parame
 from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
 from ...say import frame_texts, text_on_one_line
-from ...say.names_and_evidence import GRADES, describe_grade, field_at, lowest_grade, mark_in_lists, origin
+from ...say.names_and_evidence import (
+    GRADES,
+    describe_grade,
+    differences_from_manual,
+    field_at,
+    lowest_grade,
+    mark_in_lists,
+)
 from ...say.order_code import not_on_label
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, escape
 from ...why import LEAST_FAILED, MOST_FRAMES
@@ -160,7 +167,7 @@ def family_data(device: Device) -> Data:
         base=device.base,
         special=next((overlay.special for overlay in device.overlays if overlay.special), ""),
         special_codes=device.order_code.special,
-        about=[PLAIN_STYLE.sentence(fact) for fact in (*not_on_label(device), *origin(device))],
+        about=[PLAIN_STYLE.sentence(fact) for fact in (*not_on_label(device), *differences_from_manual(device))],
         evidence=PLAIN_STYLE.sentence(describe_grade(device)),
         mark=mark_in_lists(device),
         given=parameter_names,

@@ -81,7 +81,7 @@ def about_order_codes(device: Device) -> list[Paragraph]:
         if part.name in names_of_listed_parts:
             statements_on_other_values += say_order_code.open_values(part)
     paragraphs: list[Paragraph] = []
-    for order_code_statement in say_order_code.order_code(device):
+    for order_code_statement in say_order_code.describe_order_code(device):
         if order_code_statement not in statements_on_other_values:
             paragraphs.append(HEADER_STYLE.sentence(order_code_statement))
     if names_of_listed_parts:

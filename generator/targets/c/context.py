@@ -12,7 +12,7 @@ from ...model.record import dataclass
 from ...plan.crcs import kinds_of_covered_data
 from ...plan.frames import held_parameters
 from ...plan.values import NamedChoice, meaning_of
-from ...say.errata import describe_erratum, errata
+from ...say.errata import describe_erratum, errata_affecting
 from ...say.names_and_evidence import name_in_words, printed_name_of, title_of
 from ...say.register import describe_meaning
 from ...say.text import Statement, spec_text, statement
@@ -199,7 +199,7 @@ class AlternativeCode:
             HEADER_STYLE.sentence(statement(alternative.meaning, source=alternative.source)),
             "Choose the answer for your encoder. No known source settles it, and there is no default.",
         ]
-        for correction in errata(device, f"alternatives.{alternative.name}"):
+        for correction in errata_affecting(device, f"alternatives.{alternative.name}"):
             about.append(HEADER_STYLE.sentence(describe_erratum(correction)))
         self.enumeration = CEnumeration(
             type=self.type,

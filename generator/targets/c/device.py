@@ -16,8 +16,14 @@ from ...order_codes.reduction import for_codes
 from ...plan.crcs import crc_functions
 from ...plan.frames import held_parameters
 from ...plan.values import TwosComplement
-from ...say.errata import describe_erratum, errata
-from ...say.names_and_evidence import describe_grade, origin, other_editions, removals, titled_in_lists
+from ...say.errata import describe_erratum, errata_affecting
+from ...say.names_and_evidence import (
+    describe_grade,
+    describe_removals,
+    differences_from_manual,
+    other_editions,
+    titled_in_lists,
+)
 from ...say.order_code import words_for_initial_values
 from .. import TargetError
 from .code_facts import CodeFacts, timing_macros
@@ -291,7 +297,11 @@ class DeviceView:
     def origin(self) -> list[Paragraph]:
         """The sentences on where the spec comes from and how it differs from the manual. Most families have none."""
         where = f"in {self.errata_page}"
-        statements = (*origin(self.device), *other_editions(self.device, where), *removals(self.device))
+        statements = (
+            *differences_from_manual(self.device),
+            *other_editions(self.device, where),
+            *describe_removals(self.device),
+        )
         return [HEADER_STYLE.sentence(statement) for statement in statements]
 
     def documents(self, text: str) -> list[Paragraph]:
@@ -361,7 +371,9 @@ class DeviceView:
 
     def errata(self, *paths: str) -> list[Paragraph]:
         """Return a sentence for each erratum that affects one of these parts of the spec."""
-        return [HEADER_STYLE.sentence(describe_erratum(correction)) for correction in errata(self.device, *paths)]
+        return [
+            HEADER_STYLE.sentence(describe_erratum(correction)) for correction in errata_affecting(self.device, *paths)
+        ]
 
 
 def _bank_selectors_first(device: Device) -> list[Register]:

@@ -23,9 +23,15 @@ from ...model import (
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...plan.frames import FrameDispatch, RequestAndReply, SelectedFrame, dispatches, exchanges, reply_to_data_id
-from ...say.errata import describe_erratum, errata
+from ...say.errata import describe_erratum, errata_affecting
 from ...say.names_and_evidence import title_of
-from ...say.order_code import control_field, describe_data_id, describe_exchange, describe_settings, describe_timing
+from ...say.order_code import (
+    describe_control_field,
+    describe_data_id,
+    describe_exchange,
+    describe_settings,
+    describe_timing,
+)
 from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
@@ -236,8 +242,8 @@ class InterfaceCode:
         group_paths: set[str] = set()
         for layout in interface.layouts:
             group_paths.update(f"field_groups.{field.group}" for field in layout.fields if field.group)
-        errata_of_layouts = errata(self.device, *layout_paths)
-        for correction in errata(self.device, path, *group_paths, without=layout_paths):
+        errata_of_layouts = errata_affecting(self.device, *layout_paths)
+        for correction in errata_affecting(self.device, path, *group_paths, without=layout_paths):
             if correction not in errata_of_layouts:
                 yield HEADER_STYLE.sentence(describe_erratum(correction))
 
@@ -326,7 +332,7 @@ class InterfaceCode:
     def _macros_of_control_data(self, interface: Biss) -> Iterator[tuple[CMacro, Statement | None]]:
         """Yield the width of each field in the BiSS control data, with its statement, and its named values."""
         for field in interface.control_data:
-            statement = control_field(field)
+            statement = describe_control_field(field)
             yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, about=statement), statement
             for value in field.values:
                 name = f"CONTROL_{field.name}_{value.name}"

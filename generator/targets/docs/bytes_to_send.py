@@ -127,8 +127,8 @@ def _introduction_for_biss(
     """
     if has_preset:
         # The script of the site changes this sentence together with the bytes.
-        zero = '<span id="preset-of-rows">The preset is 0 in these rows.</span>'
-        yield f"Addresses and bytes are in hexadecimal. {zero}"
+        preset_sentence = '<span id="preset-of-rows">The preset is 0 in these rows.</span>'
+        yield f"Addresses and bytes are in hexadecimal. {preset_sentence}"
     elif has_rows and not possible_commands.may_preset:
         yield f"The {word_for_document(device)} describes no preset over BiSS."
     elif has_rows:
@@ -169,10 +169,10 @@ def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -
     """
     if possible_commands.may_preset:
         return
-    exception = " other than the resets" if possible_commands.resets else ""
-    save = "" if possible_commands.may_save else ", and no save command"
+    exception_text = " other than the resets" if possible_commands.resets else ""
+    save_text = "" if possible_commands.may_save else ", and no save command"
     there_is = "There is" if word_for_document(device) == "manual" else "The spec describes"
-    yield f"{there_is} no preset{exception}{save}."
+    yield f"{there_is} no preset{exception_text}{save_text}."
 
 
 def _preset_registers(device: Device) -> Iterator[Register]:
@@ -197,23 +197,23 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     """
     # The limits of a preset register apply to the field of the position, which may begin above bit 0.
     placed_layout = register.layout.place(variant.parameters)
-    position_low, position_width = placed_layout.place_of(register.limits_of)
+    lowest_position_bit, position_width = placed_layout.place_of(register.limits_of)
     if not position_width:
         return ""
-    length = count_with_unit(register.length, "byte")
+    length_text = count_with_unit(register.length, "byte")
     # The byte order is "high byte first" or "low byte first".
     byte_order = register.byte_order.replace("_", " ")
-    shift = f" × 2^{position_low}" if position_low else ""
+    factor_text = f" × 2^{lowest_position_bit}" if lowest_position_bit else ""
     highest_position = (1 << position_width) - 1
     example_position = min(1000, highest_position)
-    example_bytes = register.bytes_of(example_position << position_low)
+    example_bytes = register.bytes_of(example_position << lowest_position_bit)
     example_in_hexadecimal = code_span(example_bytes.hex(" ").upper())
     # The script of the page finds the rows of commands by the text of the link, which is only the addresses.
     addresses = addresses_text(register)
     addresses_link = markdown_link(addresses, f"#register-{register.name}")
     linked_register = register_at(register).replace(addresses, addresses_link)
     return (
-        f"To set a different position, write position{shift} as {length}, {byte_order}, to "
+        f"To set a different position, write position{factor_text} as {length_text}, {byte_order}, to "
         f"{linked_register}. For {example_position:,}: {example_in_hexadecimal}."
     )
 
@@ -227,22 +227,22 @@ def _request_rows(device: Device, interface: Interface, errata_at: Callable[...,
             yield _data_id_row(device, interface, data_id, errata_at)
 
 
-def _exchange_row(exchange: RequestAndReply) -> Row:
+def _exchange_row(request_and_reply: RequestAndReply) -> Row:
     """Return a row of request with reply, meaning.
 
     The meaning is the purpose of the request or, without a purpose, the first sentence of the note on it. The size of
     its words follows if the spec states one.
     """
-    layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
+    layouts = [layout for layout in (request_and_reply.request, request_and_reply.reply) if layout is not None]
     frame_links = [markdown_link(code_span(layout.name), f"#layout-{layout.name}") for layout in layouts]
-    first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")
-    description = PURPOSES[exchange.exchange.purpose] or escape(first_sentence_of_note)
-    word_bits = exchange.exchange.word_bits
+    first_sentence_of_note = request_and_reply.request.note.partition(". ")[0].removesuffix(".")
+    purpose_and_size = PURPOSES[request_and_reply.exchange.purpose] or escape(first_sentence_of_note)
+    word_bits = request_and_reply.exchange.word_bits
     if word_bits is not None:
         word_size = f"in words of {word_lengths([word_bits])}"
-        description = f"{description}, {word_size}" if description else word_size
+        purpose_and_size = f"{purpose_and_size}, {word_size}" if purpose_and_size else word_size
     # capitalize() would also change the case of the other letters.
-    return " → ".join(frame_links), description[:1].upper() + description[1:]
+    return " → ".join(frame_links), purpose_and_size[:1].upper() + purpose_and_size[1:]
 
 
 def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: Callable[..., str]) -> Row:
@@ -262,10 +262,10 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
         frames_cell += f" → {reply_link}"
     procedures = _procedures_sending_only(device, data_id)
     repetitions = map(_repetition_text, procedures)
-    description = join_filled([escape(data_id.meaning or data_id.purpose), *repetitions], ". ")
-    identifier = f"<small>Data ID {data_id.id:X} {code_span(data_id.name)}</small>"
+    meaning_and_repetitions = join_filled([escape(data_id.meaning or data_id.purpose), *repetitions], ". ")
+    data_id_and_name = f"<small>Data ID {data_id.id:X} {code_span(data_id.name)}</small>"
     spec_paths = [f"procedures.{procedure.name}" for procedure in procedures]
-    meaning_cell = join_filled([f"{description}.", identifier, errata_at(*spec_paths)], " ")
+    meaning_cell = join_filled([f"{meaning_and_repetitions}.", data_id_and_name, errata_at(*spec_paths)], " ")
     return frames_cell, meaning_cell
 
 
@@ -275,13 +275,13 @@ def _names_after_control_field(request: Layout) -> list[str]:
     The control field is the group of the first field. If this field is not in a group, all fields are listed.
     """
     control_group = request.fields[0].group
-    unique_names: dict[str, None] = {}
+    part_names: dict[str, None] = {}
     for field in request.fields:
         is_in_control_field = bool(field.group) and field.group == control_group
         if not is_in_control_field:
-            unique_names[field.group or field.name] = None
+            part_names[field.group or field.name] = None
     # For "preset of turns", only "preset" is shown.
-    return [escape(name_as_words(part_name).partition(" of ")[0]) for part_name in unique_names]
+    return [escape(name_as_words(part_name).partition(" of ")[0]) for part_name in part_names]
 
 
 def _procedures_sending_only(device: Device, data_id: DataId) -> list[Procedure]:
@@ -297,10 +297,10 @@ def _requests_sent(procedure: Procedure) -> list[str]:
 def _repetition_text(procedure: Procedure) -> str:
     """Return how often a procedure sends its only request, such as ``Send it 10 times, at least 40 µs apart``."""
     send_step = next(step for step in procedure.steps if isinstance(step, SendStep))
-    waits = [f"wait {time_text(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
-    times = markdown_link(f"{send_step.times} times", f"#procedure-{procedure.name}")
-    interval = f"at least {time_text(send_step.microseconds)} apart" if send_step.microseconds else ""
-    return "Send it " + join_filled([times, interval, *waits], ", ")
+    wait_texts = [f"wait {time_text(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
+    times_link = markdown_link(f"{send_step.times} times", f"#procedure-{procedure.name}")
+    interval_text = f"at least {time_text(send_step.microseconds)} apart" if send_step.microseconds else ""
+    return "Send it " + join_filled([times_link, interval_text, *wait_texts], ", ")
 
 
 def _layout_with_data_id(interface: Rs485, *, sender: str, data_id: int) -> Layout | None:
@@ -397,11 +397,11 @@ def bytes_of_zero_position(device: Device, register: Register, variant: Variant)
     """
     if register not in _preset_registers(device):
         return None
-    constants = layout_plan_of(device, register.layout).constants
-    content = 0
+    constant_by_field = layout_plan_of(device, register.layout).constants
+    register_value = 0
     for placed_field in register.layout.place(variant.parameters).fields:
-        if placed_field.name in constants:
-            content |= constants[placed_field.name] << placed_field.low
+        if placed_field.name in constant_by_field:
+            register_value |= constant_by_field[placed_field.name] << placed_field.low
         elif not isinstance(meaning_of(placed_field.field), (UnsignedNumber, TwosComplement)):
             return None
-    return register.bytes_of(content)
+    return register.bytes_of(register_value)

@@ -100,13 +100,13 @@ def _label_row(device: Device) -> Row:
     The supply cell lists the supplies of all order codes, each once, such as ``4.5 V to 5.5 V``.
     """
     supplies_of_variants = [device.supply_of(variant) for variant in device.variants]
-    supplies = dict.fromkeys(supply for supply in supplies_of_variants if supply is not None)
+    different_supplies = dict.fromkeys(supply for supply in supplies_of_variants if supply is not None)
     return (
         _family_link(device),
         escape(titled_in_lists(device)),
         order_codes(device, [variant.code for variant in device.variants]),
         join_filled((interface.title for interface in device.interfaces), ", "),
-        join_filled(map(_supply_range, supplies)),
+        join_filled(map(_supply_range, different_supplies)),
     )
 
 
@@ -120,13 +120,13 @@ def _identity_rows(device: Device) -> Iterator[Row]:
     Their content is the same for the whole family, or the order code determines it.
     """
     for register, field in device.identity:
-        register_title = title_of(register)
+        title = title_of(register)
         if len(register.layout.fields) > 1:
-            register_title += f", {name_in_words(field.name)}"
+            title += f", {name_in_words(field.name)}"
         yield (
             _family_link(device),
             link_to_register(device, register, addresses_text(register)),
-            escape(register_title),
+            escape(title),
             _documented_content(field),
             citation(field.source or register.source),
         )
@@ -137,8 +137,8 @@ def _documented_content(field: Field) -> str:
     match field.equals:
         case int():
             # A hexadecimal digit for each 4 bits, rounded up.
-            digits = (field.widest + 3) // 4
-            return f"`{field.equals:0{digits}X}h`"
+            digit_count = (field.widest + 3) // 4
+            return f"`{field.equals:0{digit_count}X}h`"
         case str():
             return code_span(field.equals)
         case None:
@@ -186,8 +186,8 @@ def _range_of_lengths(device: Device, interface: Interface, layout: Layout) -> s
     """Return the shortest and longest length of a frame in bits for the order codes of an interface: ``33 to 45``."""
     variants = device.variants_over(interface.name)
     # Without order codes over the interface, the length is 0.
-    lengths = {layout.place(variant.parameters).bits for variant in variants} or {0}
-    shortest, longest = min(lengths), max(lengths)
+    bit_counts = {layout.place(variant.parameters).bits for variant in variants} or {0}
+    shortest, longest = min(bit_counts), max(bit_counts)
     return f"{shortest}" if shortest == longest else f"{shortest} to {longest}"
 
 
@@ -219,9 +219,9 @@ def _byte_order_rows(device: Device) -> Iterator[Row]:
     for register in device.registers:
         if register.length > 1:
             registers_by_order.setdefault(register.byte_order, []).append(register)
-    for order, registers in registers_by_order.items():
+    for byte_order, registers in registers_by_order.items():
         register_links = (_register_link(device, register) for register in registers)
-        yield _family_link(device), order.replace("_", " "), ", ".join(register_links)
+        yield _family_link(device), byte_order.replace("_", " "), ", ".join(register_links)
 
 
 def _register_link(device: Device, register: Register) -> str:
@@ -260,12 +260,12 @@ def _register_row(register: Register, device: Device) -> Row:
 
 def alarms_page_values(devices: Sequence[Device]) -> AlarmsPage:
     """Return the values of the page that lists the alarms and the LEDs of all families."""
-    alarms: list[tuple[Alarm, Device, Interface]] = []
+    alarms_with_interfaces: list[tuple[Alarm, Device, Interface]] = []
     for device in devices:
-        alarms += _alarms_with_interfaces(device)
-    alarms.sort(key=_title_and_family)
+        alarms_with_interfaces += _alarms_with_interfaces(device)
+    alarms_with_interfaces.sort(key=_title_and_family)
     return {
-        "alarm_rows": [_alarm_row(alarm, device, interface) for alarm, device, interface in alarms],
+        "alarm_rows": [_alarm_row(alarm, device, interface) for alarm, device, interface in alarms_with_interfaces],
         "led_rows": _rows_of_all(devices, _led_rows),
     }
 
@@ -385,10 +385,10 @@ def _anchor_of_term(term_use: TermUse, page: _InterfacePage) -> str:
     one of the names of the term or else, that contains one as a whole word.
     """
     if "section" in term_use:
-        section = term_use["section"]
+        section_name = term_use["section"]
         # The name of a section is also its anchor.
-        is_on_page = page.interface.name == term_use["interface"] and _has_section(page, section)
-        return section if is_on_page else ""
+        is_on_page = page.interface.name == term_use["interface"] and _has_section(page, section_name)
+        return section_name if is_on_page else ""
     names_of_term = term_use["names"]
     for lowercase_name, anchor in page.names_and_anchors:
         if lowercase_name in names_of_term:
@@ -401,15 +401,15 @@ def _anchor_of_term(term_use: TermUse, page: _InterfacePage) -> str:
     return ""
 
 
-def _has_section(page: _InterfacePage, section: str) -> bool:
+def _has_section(page: _InterfacePage, section_name: str) -> bool:
     """Return whether the pages of an interface have a section. Most sections always exist."""
-    optional_contents = {
+    content_by_section = {
         # Only BiSS has control data.
         "control-data": getattr(page.interface, "control_data", ()),
         "procedures": page.device.procedures,
         "wiring": page.device.connectors,
     }
-    return section not in optional_contents or bool(optional_contents[section])
+    return section_name not in content_by_section or bool(content_by_section[section_name])
 
 
 #: File name of the page about all families, which no family can have.
@@ -422,9 +422,9 @@ class AllErrataPage(TypedDict):
 
 def all_errata_values(devices: Sequence[Device]) -> AllErrataPage:
     """Return the values of the page that lists the errata of all families."""
-    titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Resolved"}
+    title_by_status = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Resolved"}
     sections = []
-    for status, title in titles.items():
+    for status, title in title_by_status.items():
         erratum_rows = list(_rows_of_all_families(devices, status))
         if erratum_rows:
             sections.append({"title": title, "anchor": status, "rows": erratum_rows})

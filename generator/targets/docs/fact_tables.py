@@ -35,7 +35,7 @@ from ...plan.steps import VerifyWrite
 from ...say import count_with_unit, group_digits, quantity_text
 from ...say import register as say_register
 from ...say.commands_and_alarms import describe_step, read_back
-from ...say.errata import content_before_and_after, errata
+from ...say.errata import content_before_and_after, errata_affecting
 from ...say.layout import crc_sent, describe_measurement, describe_position_range, own_ranges
 from ...say.names_and_evidence import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
@@ -85,19 +85,19 @@ def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]
 
     A check that only generated code makes has no number.
     """
-    number_of_step = 0
-    for operation in plan_procedure(device, procedure).operations:
-        if isinstance(operation, VerifyWrite):
-            field = operation.field.name if operation.field is not None else ""
-            instruction = MARKDOWN.sentence(read_back(device, operation.register, field))
+    step_number = 0
+    for planned_step in plan_procedure(device, procedure).operations:
+        if isinstance(planned_step, VerifyWrite):
+            field_name = planned_step.field.name if planned_step.field is not None else ""
+            instruction = MARKDOWN.sentence(read_back(device, planned_step.register, field_name))
             reason = "Generated code adds this step, because a corrupted write can look successful."
             yield "", instruction, reason, ""
             continue
-        number_of_step += 1
-        spec_step = operation.step
+        step_number += 1
+        spec_step = planned_step.step
         source = citation(spec_step.source) if spec_step.source != procedure.source else ""
         yield (
-            f"{number_of_step}",
+            f"{step_number}",
             MARKDOWN.sentence(describe_step(device, spec_step)),
             escape(spec_step.meaning),
             source,
@@ -118,15 +118,18 @@ def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
 
 def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
     """Yield the parameters of a CRC as label and value, with the polynomial in every notation that masters expect."""
-    with_top_bit = crc.poly_with_top_bit
+    polynomial_with_top_bit = crc.poly_with_top_bit
     is_input_reflected = _yes_or_no(device.reflects_input(crc))
     is_output_reflected = _yes_or_no(crc.refout)
     # In the notation of manuals, such as "x^6 + x + 1".
     yield "Polynomial", escape(crc.polynomial)
-    yield "with its top bit", f"`0x{with_top_bit:X}` = {with_top_bit} = `{with_top_bit:b}b`"
+    yield (
+        "with its top bit",
+        f"`0x{polynomial_with_top_bit:X}` = {polynomial_with_top_bit} = `{polynomial_with_top_bit:b}b`",
+    )
     yield "without its top bit", f"`0x{crc.poly:02X}`"
-    if with_top_bit & 1:
-        yield "without its trailing 1 (Koopman notation)", f"`0x{with_top_bit >> 1:X}`"
+    if polynomial_with_top_bit & 1:
+        yield "without its trailing 1 (Koopman notation)", f"`0x{polynomial_with_top_bit >> 1:X}`"
     yield "Width", count_with_unit(crc.width, "bit")
     yield "Start value", f"`0x{crc.init:X}`"
     yield "Input, output reflected", f"{is_input_reflected}, {is_output_reflected}"
@@ -144,20 +147,20 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
 
     The erratum that an example refers to is linked here, unless the page lists it next to the example anyway.
     """
-    for label, content in _facts_of_kind(device, example):
+    for label, content in _facts_and_empty_facts(device, example):
         if content:
             yield label, content
-    listed_errata = {erratum.name for erratum in errata(device, f"examples.{example.name}", wording=True)}
+    listed_errata = {erratum.name for erratum in errata_affecting(device, f"examples.{example.name}", wording=True)}
     if example.erratum and example.erratum not in listed_errata:
-        titles = {erratum.name: erratum.title for erratum in device.errata}
-        title = titles[example.erratum]
+        title_by_erratum = {erratum.name: erratum.title for erratum in device.errata}
+        title = title_by_erratum[example.erratum]
         yield "Erratum", markdown_link(escape(title), f"{ERRATA}#erratum-{example.erratum}")
     if example.note:
         yield "Note", escape(example.note)
     yield "Source", citation(example.source)
 
 
-def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]]:
+def _facts_and_empty_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
     """Yield the facts of an example as label and value. The value is empty if the example does not have this fact."""
     match example:
         case FrameExample():
@@ -199,8 +202,8 @@ def _facts_of_procedure_example(example: ProcedureExample) -> Iterator[tuple[str
     yield "Order code", code_span(example.order_code)
     for argument, value in example.arguments.items():
         # A single digit is the same in both notations.
-        in_hexadecimal = f" ({hexadecimal(value)})" if value > 9 else ""
-        yield f"Argument {code_span(argument)}", f"{group_digits(value)}{in_hexadecimal}"
+        hexadecimal_text = f" ({hexadecimal(value)})" if value > 9 else ""
+        yield f"Argument {code_span(argument)}", f"{group_digits(value)}{hexadecimal_text}"
     writes = [f"`{write.address:02X}h: {write.value:02X}`" for write in example.writes]
     yield "Writes", ", ".join(writes)
 
@@ -213,10 +216,10 @@ def _bytes_fact(data: bytes) -> tuple[str, str]:
 
 def _values_fact(values: Mapping[str, int | str | bool], layouts: Iterable[Layout]) -> tuple[str, str]:
     """Return the label and the field values of an example, with quantities for fields that have a scale in a layout."""
-    scales = {field.name: field.scale for layout in layouts for field in layout.fields}
+    scale_by_field = {field.name: field.scale for layout in layouts for field in layout.fields}
     assignments = []
     for field_name, value in values.items():
-        value_text = _value_text(value, scales.get(field_name))
+        value_text = _value_text(value, scale_by_field.get(field_name))
         assignments.append(f"{code_span(field_name)} = {value_text}")
     return "Values", ", ".join(assignments)
 
@@ -348,10 +351,10 @@ def register_rows(device: Device) -> Iterator[Row]:
         if default_bytes is not None:
             default_text = f", default {code_span(default_bytes.hex(' ').upper())}"
         register_link = markdown_link(escape(title_of(register)), f"#register-{register.name}")
-        bank = "" if register.bank is None else f"{register.bank}"
+        bank_text = "" if register.bank is None else f"{register.bank}"
         access = say_register.describe_access(register)
         register_cell = f"{register_link} <small>{code_span(register.name)}</small> {access}{default_text}"
-        yield bank, addresses_text(register), register_cell
+        yield bank_text, addresses_text(register), register_cell
 
 
 def step_sentences(device: Device, procedure: Procedure) -> Iterator[str]:
@@ -412,9 +415,9 @@ def overview_rows(device: Device, interface: Interface, variants: Sequence[Varia
     if position_measurement is not None:
         resolution_and_range = MARKDOWN.phrase(describe_measurement(position_measurement))
         yield "Position", resolution_and_range, citation(position_measurement.source)
-        for layout_name, own_range in own_ranges(device, interface.name):
-            range_text = MARKDOWN.phrase(describe_position_range(own_range))
-            yield f"Position in {code_span(layout_name)}", range_text, citation(own_range.source)
+        for layout_name, range_of_layout in own_ranges(device, interface.name):
+            range_text = MARKDOWN.phrase(describe_position_range(range_of_layout))
+            yield f"Position in {code_span(layout_name)}", range_text, citation(range_of_layout.source)
     for supply, codes in _codes_by_supply(device, variants).items():
         has_all_codes = len(codes) == len(variants)
         label = "Supply" if has_all_codes else f"Supply ({order_codes(device, codes)})"

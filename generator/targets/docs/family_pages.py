@@ -10,7 +10,14 @@ from ...model import Clocked, Device, Erratum, Interface, Manual, Release, Relea
 from ...order_codes.reduction import for_interface
 from ...say import count_with_unit
 from ...say.errata import STATUS_IN_WORDS, consequence
-from ...say.names_and_evidence import _second_reading_text, basis, describe_grade, edition_test, origin, other_editions
+from ...say.names_and_evidence import (
+    _second_reading_text,
+    describe_evidence_basis,
+    describe_grade,
+    differences_from_manual,
+    edition_test,
+    other_editions,
+)
 from ...say.order_code import describe_settings
 from ...say.text import (
     MARKDOWN,
@@ -96,8 +103,8 @@ def _release_section(release: Release) -> dict[str, Any]:
             impact_sections.append({"title": title, "lines": change_lines})
     if release.names:
         impact_sections.append({"title": "Names in code", "lines": [escape(name) for name in release.names]})
-    about = f"Changes since {release.since}, with revision {release.manual} of the manual."
-    return {"version": escape(release.version), "about": about, "parts": impact_sections}
+    introduction = f"Changes since {release.since}, with revision {release.manual} of the manual."
+    return {"version": escape(release.version), "about": introduction, "parts": impact_sections}
 
 
 def _change_line(change: ReleasedChange) -> str:
@@ -147,7 +154,7 @@ def index_values(family_codes: OrderCodes) -> FamilyPage:
     device = family_codes.device
     return {
         "device": device,
-        "origin": [*origin(device), *other_editions(device)],
+        "origin": [*differences_from_manual(device), *other_editions(device)],
         "manual": f"{escape(device.manual.title)}, revision {revision_and_date(device.manual)}",
         "evidence": describe_grade(device),
         "errata_at": ErrataLines(device, f"{device.name}/"),
@@ -166,8 +173,8 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     """Return a row of interface, order codes, clock or port, links to its further pages."""
     codes = [variant.code for variant in device.variants_over(interface.name)]
     # The first settings are the clocks of the master, or the port of a serial interface.
-    number_of_clocks_or_ports = len(interface.clocks) if isinstance(interface, Clocked) else 1
-    first_settings = list(describe_settings(device, interface))[:number_of_clocks_or_ports]
+    setting_count = len(interface.clocks) if isinstance(interface, Clocked) else 1
+    first_settings = list(describe_settings(device, interface))[:setting_count]
     return (
         markdown_link(interface.title, interface_page_path(device, interface)),
         order_codes(device, codes),
@@ -185,10 +192,10 @@ def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
 def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]]]:
     """Yield the number of order codes of each interface that has any, with links to their pages."""
     for interface in family_codes.device.interfaces:
-        order_codes = [variant.code for variant in family_codes.device.variants_over(interface.name)]
-        if order_codes:
-            code_links = [family_codes.links[order_code] for order_code in order_codes]
-            yield f"{interface.title}: {count_with_unit(len(order_codes), 'order code')}", code_links
+        interface_codes = [variant.code for variant in family_codes.device.variants_over(interface.name)]
+        if interface_codes:
+            code_links = [family_codes.links[order_code] for order_code in interface_codes]
+            yield f"{interface.title}: {count_with_unit(len(interface_codes), 'order code')}", code_links
 
 
 def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
@@ -200,8 +207,8 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
     if frame_links:
         yield "Read the position", ", ".join(frame_links)
     yield "Check whether the position is usable", markdown_link("usable or not", verdict_page.file_name(device))
-    for section, task in _TASKS_BY_SECTION.items():
-        section_links = list(_section_links(device, section))
+    for section_name, task in _TASKS_BY_SECTION.items():
+        section_links = list(_section_links(device, section_name))
         if section_links:
             yield task, ", ".join(section_links)
     for procedure in device.procedures:
@@ -234,13 +241,13 @@ _TASKS_BY_SECTION = {
 }
 
 
-def _section_links(device: Device, section: str) -> Iterator[str]:
+def _section_links(device: Device, section_name: str) -> Iterator[str]:
     """Yield a link to a section, such as ``leds``, for each interface whose pages have this section."""
     for interface in device.interfaces:
         page_device = for_interface(device, interface.name)
         contents_by_section = {"wiring": page_device.connectors, "leds": page_device.leds, "alarms": page_device.alarms}
-        if contents_by_section[section]:
-            yield markdown_link(interface.title, path_to_anchor(device, interface.name, section))
+        if contents_by_section[section_name]:
+            yield markdown_link(interface.title, path_to_anchor(device, interface.name, section_name))
 
 
 def hardware_values(device: Device) -> HardwarePage:
@@ -273,12 +280,12 @@ def _characteristic_rows(device: Device, errata_at: ErrataLines) -> Iterator[tup
 def manual_values(device: Device) -> ManualPage:
     """Return the values of the page about the manual."""
     style = style_in_folder(device)
-    tests = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
+    test_statements = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
     return {
         "device": device,
         "manual_rows": [(label, content) for label, content in _manual_rows(device) if content],
         "edition_rows": list(_edition_rows(device)),
-        "edition_tests": list(map(style.sentence, tests)),
+        "edition_tests": list(map(style.sentence, test_statements)),
         "lost_rows": [(escape(figure.content), citation(figure.source)) for figure in device.lost_figures],
         "document_rows": fact_tables.document_rows(device.documents),
         "history_rows": list(map(_history_row, device.manual.history)),
@@ -306,13 +313,13 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     if device.manufacturer.website:
         yield "Website", escape(device.manufacturer.website)
     yield "Transcribed", _second_reading_text(device.times_read)
-    for evidence in (describe_grade(device), *basis(device)):
-        yield evidence.label, MARKDOWN.phrase(replace(evidence, label=""))
+    for evidence_statement in (describe_grade(device), *describe_evidence_basis(device)):
+        yield evidence_statement.label, MARKDOWN.phrase(replace(evidence_statement, label=""))
     yield "Manufacturer", escape(device.manufacturer.title)
     for edition in manual.editions:
-        language = escape(language_name(edition.language))
-        revision = f"revision {escape(edition.revision)}"
-        yield "Other edition", join_filled([language, escape(edition.title), revision, edition.date], ", ")
+        language_text = escape(language_name(edition.language))
+        revision_text = f"revision {escape(edition.revision)}"
+        yield "Other edition", join_filled([language_text, escape(edition.title), revision_text, edition.date], ", ")
     changes_link = markdown_link("changes", f"../{changes_file_name(device)}")
     yield "Version", f"{escape(device.manufacturer.version)}, {changes_link}"
 
@@ -375,22 +382,22 @@ def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     """Return one erratum for the errata page: a summary, and a table with a single row for its texts."""
     labels_and_texts = (*fact_tables.printed_and_used_rows(erratum), ("Why", escape(erratum.why)))
     # The labels become the head of the table, and the texts its only row.
-    head, cells = zip(*labels_and_texts, strict=True)
-    affected = ", ".join(map(code_span, erratum.affects))
-    result = f"{status_badge(erratum)}: {consequence(erratum.severity)}."
-    summary = f"{result} Affected parts of the spec: {affected}. Source: {citation(erratum.source)}."
-    return {"erratum": erratum, "summary": summary, "head": head, "cells": cells}
+    labels, texts = zip(*labels_and_texts, strict=True)
+    affected_paths = ", ".join(map(code_span, erratum.affects))
+    status_and_result = f"{status_badge(erratum)}: {consequence(erratum.severity)}."
+    summary = f"{status_and_result} Affected parts of the spec: {affected_paths}. Source: {citation(erratum.source)}."
+    return {"erratum": erratum, "summary": summary, "head": labels, "cells": texts}
 
 
-def _summary_of_counts(count: int, open_count: int) -> str:
+def _summary_of_counts(erratum_count: int, open_count: int) -> str:
     """Return sentences that state how many errata there are, how many are open, and what that means."""
-    if not count:
+    if not erratum_count:
         return "No errata are known."
-    sentences = ["There is 1 known erratum." if count == 1 else f"There are {count} known errata."]
+    sentences = ["There is 1 known erratum." if erratum_count == 1 else f"There are {erratum_count} known errata."]
     if open_count:
         verb = "is" if open_count == 1 else "are"
         sentences.append(f"{open_count} {verb} open, which means that only hardware or the manufacturer can decide.")
-    resolved_count = count - open_count
+    resolved_count = erratum_count - open_count
     if resolved_count > 0:
         verb = "is" if resolved_count == 1 else "are"
         sentences.append(f"{resolved_count} {verb} resolved by the manual's own evidence or by arithmetic.")
@@ -402,10 +409,10 @@ def _sections_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator
     for status, status_word in STATUS_IN_WORDS.items():
         errata_of_status = [erratum for erratum in listed_errata if erratum.status == status]
         for severity in fact_tables.SEVERITIES:
-            errata_of_kind = [erratum for erratum in errata_of_status if erratum.severity == severity]
-            if errata_of_kind:
+            errata_of_severity = [erratum for erratum in errata_of_status if erratum.severity == severity]
+            if errata_of_severity:
                 heading = f"{status_word.capitalize()}: {fact_tables.severity_text(severity)}"
-                yield escape(heading), list(map(_erratum_section, errata_of_kind))
+                yield escape(heading), list(map(_erratum_section, errata_of_severity))
 
 
 def _sections_of_changes(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:

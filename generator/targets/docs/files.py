@@ -35,11 +35,11 @@ from .links_and_errata import (
 
 
 class _Page(NamedTuple):
-    """Page of a family. ``path`` is relative to the folder ``docs``, and ``values`` returns those of its template."""
+    """Page of a family. ``path`` is relative to ``docs``, and ``compute_values`` returns the values of the template."""
 
     path: str
     template: str
-    values: Callable[[], Mapping[str, Any]]
+    compute_values: Callable[[], Mapping[str, Any]]
 
 
 class Index(TypedDict):
@@ -116,7 +116,7 @@ def _family_page_text(device: Device, page: _Page, library: Library) -> str:
     Names of errata in the rendered text become links. On a page about an interface, the file name is added to links
     whose anchor is on another page of this interface.
     """
-    values = page.values()
+    values = page.compute_values()
     page_text = _page_text(page.template, values, library)
     if page.template in ("interface.md.jinja", "interface-subject.md.jinja"):
         page_text = with_other_subjects_linked(values["interface"].name, page_text)
@@ -135,9 +135,9 @@ def _pages_of_family(family_codes: order_code_page.OrderCodes, masters: tuple[Ma
     interfaces_with_masters = masters_page.interfaces_with_masters(device)
     yield _Page(f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, family_codes))
     yield from _pages_of_interfaces(family_codes, interfaces_with_masters)
-    for group in family_codes.groups:
-        code_values = partial(_code_values, family_codes, group, interfaces_with_masters)
-        yield _Page(f"{folder}/{group.name}.md", "code.md.jinja", code_values)
+    for code_group in family_codes.groups:
+        code_values = partial(_code_values, family_codes, code_group, interfaces_with_masters)
+        yield _Page(f"{folder}/{code_group.name}.md", "code.md.jinja", code_values)
     yield _Page(f"{folder}/hardware.md", "hardware.md.jinja", partial(family_pages.hardware_values, device))
     yield _Page(f"{folder}/{ERRATA}", "errata.md.jinja", partial(family_pages.errata_values, device))
     yield _Page(f"{folder}/manual.md", "manual.md.jinja", partial(family_pages.manual_values, device))
@@ -212,8 +212,8 @@ def _without_surplus_spaces(page_text: str) -> str:
     kept_lines: list[str] = []
     for text_line in page_text.splitlines():
         # An empty line is kept only after a line with text.
-        follows_text = bool(kept_lines) and kept_lines[-1] != ""
-        if text_line.strip() or follows_text:
+        follows_line_with_text = bool(kept_lines) and kept_lines[-1] != ""
+        if text_line.strip() or follows_line_with_text:
             kept_lines.append(text_line.rstrip())
     return "\n".join(kept_lines).rstrip() + "\n"
 
@@ -225,10 +225,10 @@ def _order_code_sections(family_codes: order_code_page.OrderCodes) -> Iterator[S
         interface_codes = [variant.code for variant in device.variants_over(interface.name)]
         if interface_codes:
             title = f"{device.name.upper()}, {interface.title}"
-            number_of_codes = count_with_unit(len(interface_codes), "order code")
+            count_text = count_with_unit(len(interface_codes), "order code")
             yield {
                 "pages": family_codes.page_links(interface.name),
-                "counted": f"All {number_of_codes}" if len(interface_codes) > 1 else "The order code",
+                "counted": f"All {count_text}" if len(interface_codes) > 1 else "The order code",
                 "interface": markdown_link(title, f"{device.name}/{interface.name}.md"),
                 "links": [family_codes.links[order_code] for order_code in interface_codes],
             }
@@ -236,12 +236,17 @@ def _order_code_sections(family_codes: order_code_page.OrderCodes) -> Iterator[S
 
 def _index_values(library: Library, order_codes: list[Section]) -> Index:
     """Return the values of the index of all families."""
-    rows = [_index_row(device) for device in library.devices]
+    family_rows = [_index_row(device) for device in library.devices]
     # Each notice appears once, in the order of the manufacturers.
     trademarks: dict[str, None] = {}
     for manufacturer, _ in library.by_manufacturer():
         trademarks |= dict.fromkeys(manufacturer.trademarks)
-    return {"rows": rows, "usable_page": verdict_page.PAGE, "order_codes": order_codes, "trademarks": list(trademarks)}
+    return {
+        "rows": family_rows,
+        "usable_page": verdict_page.PAGE,
+        "order_codes": order_codes,
+        "trademarks": list(trademarks),
+    }
 
 
 def _index_row(device: Device) -> tuple[str, ...]:

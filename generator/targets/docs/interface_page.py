@@ -35,8 +35,8 @@ from ...say.errata import needed_answers
 from ...say.names_and_evidence import (
     HasOtherNames,
     addresses_text,
+    differences_from_manual,
     name_in_words,
-    origin,
     other_editions,
     title_of,
     word_for_document,
@@ -94,7 +94,7 @@ def page_sections(device: Device) -> Sections:
     return {
         "device": device,
         "document": word_for_document(device),
-        "origin": [*origin(device), *other_editions(device)],
+        "origin": [*differences_from_manual(device), *other_editions(device)],
         "verdict_page": verdict_page.file_name(device),
         "errata_at": ErrataLines(device),
         "alternatives": order_code_tables.alternative_sections(device),
@@ -158,19 +158,19 @@ _KEYS_OF_FACTS = (
 
 def _interface_section(device: Device, interface: Interface) -> Section:
     """Return an interface with its facts, frames, requests and groups of fields, and the paths of its errata."""
-    groups = {group.name: group for group in device.field_groups}
-    used_groups = [groups[name] for name in layout_tables.used_groups(interface)]
-    path = f"interfaces.{interface.name}"
-    paths_of_interface_timings = [f"{path}.{timing.name}" for timing in interface.timings]
+    group_by_name = {group.name: group for group in device.field_groups}
+    used_groups = [group_by_name[name] for name in layout_tables.used_groups(interface)]
+    interface_path = f"interfaces.{interface.name}"
+    paths_of_interface_timings = [f"{interface_path}.{timing.name}" for timing in interface.timings]
     paths_of_device_timings = [f"timings.{timing.name}" for timing in device.timings]
     data_ids = interface.data_ids if isinstance(interface, Rs485) else ()
     memory_access = interface.memory_access if isinstance(interface, Rs485) else ()
     return {
         "interface": interface,
         "rows": list(fact_tables.interface_rows(device, interface)),
-        "path": path,
-        "paths": [f"{path}.{key}" for key in _KEYS_OF_FACTS],
-        "timing_paths": [*paths_of_interface_timings, f"{path}.timings", *paths_of_device_timings],
+        "path": interface_path,
+        "paths": [f"{interface_path}.{key}" for key in _KEYS_OF_FACTS],
+        "timing_paths": [*paths_of_interface_timings, f"{interface_path}.timings", *paths_of_device_timings],
         "data_id_rows": [_data_id_row(data_id) for data_id in data_ids],
         "exchange_rows": _exchange_rows(interface),
         "layouts": [_layout_section(device, interface, layout) for layout in interface.layouts],
@@ -208,10 +208,10 @@ def _exchange_rows(interface: Interface) -> Rows:
     The length is included only if requests that consist of bits have different lengths.
     """
     frame_exchanges = exchanges(interface)
-    lengths = {exchange.request.bits for exchange in frame_exchanges if not exchange.request.in_bytes}
+    bit_counts = {exchange.request.bits for exchange in frame_exchanges if not exchange.request.in_bytes}
     exchange_rows: Rows = []
     for exchange in frame_exchanges:
-        length_cells = [f"{exchange.request.bits.render()} bits"] if len(lengths) > 1 else []
+        length_cells = [f"{exchange.request.bits.render()} bits"] if len(bit_counts) > 1 else []
         purpose = PURPOSES[exchange.exchange.purpose]
         frame_links = [_layout_link(exchange.request), _layout_link(exchange.reply)]
         exchange_rows.append((*frame_links, *length_cells, purpose, citation(exchange.exchange.source)))
@@ -250,7 +250,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
         "size": MARKDOWN.phrase(size),
         "facts": [*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
-        "placements": layout_tables.placement_table(device, layout, interface.name),
+        "placements": layout_tables.table_of_positions(device, layout, interface.name),
     }
 
 
@@ -260,11 +260,11 @@ def _register_section(device: Device, register: Register) -> Section:
     A single field with the name of the register has no row if it has neither a meaning nor a source of its own.
     """
     fields = register.layout.fields
-    is_only_field = len(fields) == 1
-    rows = list(layout_tables.field_rows(device, register.layout))
+    has_only_field = len(fields) == 1
+    field_rows = list(layout_tables.field_rows(device, register.layout))
     # A row consists of the field, its place, its width, its meaning and its source.
-    _, _, _, meaning_cell, source_cell = rows[0]
-    is_named_like_register = is_only_field and fields[0].name == register.name
+    _, _, _, meaning_cell, source_cell = field_rows[0]
+    is_named_like_register = has_only_field and fields[0].name == register.name
     adds_nothing = not meaning_cell and not source_cell
     return {
         "register": register,
@@ -272,10 +272,10 @@ def _register_section(device: Device, register: Register) -> Section:
         "access": say_register.describe_access(register),
         "head": say_register.describe_head(device, register, CodeText(register.name)),
         "facts": say_register.describe_register_facts(device, register),
-        "rows": [] if is_named_like_register and adds_nothing else rows,
-        "value_tables": [_value_table(field, is_only_field) for field in fields if has_value_table(field)],
+        "rows": [] if is_named_like_register and adds_nothing else field_rows,
+        "value_tables": [_value_table(field, has_only_field) for field in fields if has_value_table(field)],
         "joins": say_layout.describe_joins(register.layout),
-        "placements": layout_tables.placement_table(device, register.layout, register.interface),
+        "placements": layout_tables.table_of_positions(device, register.layout, register.interface),
     }
 
 
@@ -362,7 +362,7 @@ def _contents_by_subject(device: Device) -> dict[str, list[str]]:
     ``device`` is a family reduced to one interface. Subjects without content are omitted.
     """
     (interface,) = device.interfaces
-    contents: dict[str, list[str]] = {}
+    contents_by_subject: dict[str, list[str]] = {}
     for subject, content, parts_of_device in (
         ("fields", "bit fields", layout_tables.used_groups(interface)),
         ("registers", "registers", device.registers),
@@ -374,8 +374,8 @@ def _contents_by_subject(device: Device) -> dict[str, list[str]]:
         ("examples", "worked examples", device.examples),
     ):
         if parts_of_device:
-            contents.setdefault(subject, []).append(content)
-    return contents
+            contents_by_subject.setdefault(subject, []).append(content)
+    return contents_by_subject
 
 
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:

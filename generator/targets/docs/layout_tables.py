@@ -1,4 +1,4 @@
-"""Markdown tables of the fields in a layout (a frame or register), and the shapes that a layout has."""
+"""Markdown tables of the fields in a layout (a frame or register), and the arrangements of its fields."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from ...model.record import dataclass
 from ...say.errata import answer_names
 from ...say.layout import field_place, frame_bytes
 from ...say.names_and_evidence import HasOtherNames, bit_range, bits, hexadecimal
-from ...say.register import describe_value, rules
+from ...say.register import describe_field_rules, describe_value
 from ...say.text import (
     MARKDOWN,
     CodeText,
@@ -47,39 +47,39 @@ _NO_PARAMETERS: Mapping[str, int] = MappingProxyType({})
 #: Fields with their highest and lowest bit in a group, highest field first.
 GroupFields = list[tuple[Field, int, int]]
 #: Name, lowest bit and width of each field.
-Shape = tuple[tuple[str, int, int], ...]
+FieldPositions = tuple[tuple[str, int, int], ...]
 
 
 @dataclass(frozen=True)
-class Placement:
+class LayoutOfCodes:
     """Layout with the positions of its fields for some order codes."""
 
     codes: tuple[str, ...]
     placed_layout: PlacedLayout
 
 
-def distinct_placements(
+def distinct_layouts(
     device: Device, layout: Layout, interface_name: str, parameters: Mapping[str, int] = _NO_PARAMETERS
-) -> tuple[Placement, ...]:
-    """Return the layout with each of its different shapes for the order codes of an interface, the shortest first.
+) -> tuple[LayoutOfCodes, ...]:
+    """Return the layout with each arrangement of its fields for the order codes of an interface, the shortest first.
 
-    A shape is the names, lowest bits and widths of the fields. ``parameters`` are the values that answers to open
-    questions set, if they differ from the first answers.
+    Arrangements differ in the names, lowest bits or widths of the fields. ``parameters`` are the values that answers to
+    open questions set, if they differ from the first answers.
     """
-    codes_by_shape: dict[Shape, list[str]] = {}
-    layouts_by_shape: dict[Shape, PlacedLayout] = {}
+    codes_by_positions: dict[FieldPositions, list[str]] = {}
+    layout_by_positions: dict[FieldPositions, PlacedLayout] = {}
     for variant in device.variants_over(interface_name):
         placed_layout = layout.place({**variant.parameters, **parameters})
-        shape = shape_of(placed_layout)
-        layouts_by_shape.setdefault(shape, placed_layout)
-        codes_by_shape.setdefault(shape, []).append(variant.code)
-    placements = []
-    for shape, placed_layout in layouts_by_shape.items():
-        placements.append(Placement(codes=tuple(codes_by_shape[shape]), placed_layout=placed_layout))
-    return tuple(sorted(placements, key=lambda placement: placement.placed_layout.bits))
+        positions = positions_of_fields(placed_layout)
+        layout_by_positions.setdefault(positions, placed_layout)
+        codes_by_positions.setdefault(positions, []).append(variant.code)
+    layouts_of_codes = []
+    for positions, placed_layout in layout_by_positions.items():
+        layouts_of_codes.append(LayoutOfCodes(codes=tuple(codes_by_positions[positions]), placed_layout=placed_layout))
+    return tuple(sorted(layouts_of_codes, key=lambda layout_of_codes: layout_of_codes.placed_layout.bits))
 
 
-def shape_of(placed_layout: PlacedLayout) -> Shape:
+def positions_of_fields(placed_layout: PlacedLayout) -> FieldPositions:
     """Return the name, lowest bit and width of each field."""
     return tuple((field.name, field.low, field.width) for field in placed_layout.fields)
 
@@ -97,7 +97,7 @@ def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
     statements = [
         *spec_text(field.meaning),
         *_value_statements(field, in_register),
-        *rules(device, field),
+        *describe_field_rules(device, field),
         *spec_text(field.note),
     ]
     return join_filled(map(MARKDOWN.sentence, statements))
@@ -129,9 +129,9 @@ def has_value_table(field: Field) -> bool:
 def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
     """Yield rows of value, name, meaning, source for the named values of a field."""
     # A hexadecimal digit for each 4 bits, rounded up.
-    digits = (field.widest + 3) // 4
+    digit_count = (field.widest + 3) // 4
     for named_value in field.values:
-        number = hexadecimal(named_value.value, digits)
+        number = hexadecimal(named_value.value, digit_count)
         yield number, name_cell(named_value), escape(named_value.meaning), citation(named_value.source)
 
 
@@ -174,23 +174,23 @@ def fields_and_groups(device: Device, layout: Layout) -> Iterator[Field | FieldG
 
     Padding is omitted, because the row of the padded field includes it.
     """
-    groups = {group.name: group for group in device.field_groups}
+    group_by_name = {group.name: group for group in device.field_groups}
     field_names = {field.name for field in layout.fields}
-    yielded_groups: set[str] = set()
+    yielded_group_names: set[str] = set()
     for field in layout.fields:
-        if field.padding_of in field_names or field.group in yielded_groups:
+        if field.padding_of in field_names or field.group in yielded_group_names:
             continue
         if field.group:
-            yielded_groups.add(field.group)
-        yield groups.get(field.group, field)
+            yielded_group_names.add(field.group)
+        yield group_by_name.get(field.group, field)
 
 
 def group_place(device: Device, layout: Layout, field_group: FieldGroup) -> str:
     """Return the bytes of the longest frame that contain a group of fields, for the first answers to open questions."""
     fields_of_group = [field for field in layout.fields if field.group == field_group.name]
-    low = _lowest_bit(fields_of_group, _first_answers(device))
-    high = low + field_group.bits - 1
-    return frame_bytes(layout, layout.widest, high, low)
+    lowest_bit = _lowest_bit(fields_of_group, _first_answers(device))
+    highest_bit = lowest_bit + field_group.bits - 1
+    return frame_bytes(layout, layout.widest, highest_bit, lowest_bit)
 
 
 def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
@@ -208,34 +208,34 @@ def _lowest_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
     return min(field.low.value(parameters) for field in fields)
 
 
-def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], GroupFields]]:
+def arrangements_of_group(device: Device, group_name: str) -> list[tuple[tuple[Answer, ...], GroupFields]]:
     """Return the fields of a group for each combination of answers to the open questions that move these fields.
 
     Each field has its highest and lowest bit, counted from the lowest bit of the group in the first layout with this
     group. If no question moves the fields, there is a single result, without answers.
     """
-    layouts = (layout for _, layout in device.layouts() if _has_group(layout, name))
-    layout = first_or_raise(layouts, f"frame with the field group '{name}'")
-    fields = [field for field in layout.fields if field.group == name]
+    layouts = (layout for _, layout in device.layouts() if _has_group(layout, group_name))
+    layout = first_or_raise(layouts, f"frame with the field group '{group_name}'")
+    fields = [field for field in layout.fields if field.group == group_name]
     alternatives = device.alternatives_of(layout)
     deciding_alternatives = [alternative for alternative in alternatives if _decides_place_of_any(fields, alternative)]
-    shapes = []
+    arrangements = []
     for answers, parameters in answer_combinations(deciding_alternatives):
-        group_low = _lowest_bit(fields, parameters)
+        lowest_bit_of_group = _lowest_bit(fields, parameters)
         group_fields: GroupFields = []
         for field in fields:
-            low = field.low.value(parameters) - group_low
-            high = low + field.width.constant - 1
-            group_fields.append((field, high, low))
+            lowest_bit = field.low.value(parameters) - lowest_bit_of_group
+            highest_bit = lowest_bit + field.width.constant - 1
+            group_fields.append((field, highest_bit, lowest_bit))
         group_fields.sort(key=_highest_first)
-        shapes.append((answers, group_fields))
-    return shapes
+        arrangements.append((answers, group_fields))
+    return arrangements
 
 
 def _highest_first(group_field: tuple[Field, int, int]) -> int:
     """Return the sort key that puts the field with the highest bit first."""
-    _, high, _ = group_field
-    return -high
+    _, highest_bit, _ = group_field
+    return -highest_bit
 
 
 def _has_group(layout: Layout, name: str) -> bool:
@@ -246,10 +246,10 @@ def _has_group(layout: Layout, name: str) -> bool:
 def _decides_place_of_any(fields: Iterable[Field], alternative: Alternative) -> bool:
     """Return whether the answers to an open question determine the place or width of any of these fields."""
     # All answers set the same parameters.
-    parameters = alternative.answers[0].sets.keys()
+    answered_parameters = alternative.answers[0].sets.keys()
     for field in fields:
         parameters_of_place = (*field.low.parameters, *field.width.parameters)
-        if not parameters.isdisjoint(parameters_of_place):
+        if not answered_parameters.isdisjoint(parameters_of_place):
             return True
     return False
 
@@ -273,18 +273,22 @@ def group_places(
     If answers to open questions move a field, all its places are listed, such as ``bit 3 (normal)<br>bit 4 (swapped)``.
     If several answers lead to the same place, the first of them is named.
     """
-    shapes = group_shapes(device, name)
-    _, fields_of_first_shape = shapes[0]
-    for field, _, _ in fields_of_first_shape:
-        answers_by_place: dict[str, str] = {}
-        for answers, group_fields in shapes:
-            places = (bits(high, low) for group_field, high, low in group_fields if group_field is field)
-            place = first_or_raise(places, f"place of '{field.name}'")
-            answers_by_place.setdefault(place, answers_text(answers))
-        if len(answers_by_place) == 1:
-            yield field, join_filled(answers_by_place)
+    arrangements = arrangements_of_group(device, name)
+    _, fields_of_first_arrangement = arrangements[0]
+    for field, _, _ in fields_of_first_arrangement:
+        answers_by_bits: dict[str, str] = {}
+        for answers, group_fields in arrangements:
+            bits_texts = (
+                bits(highest_bit, lowest_bit)
+                for group_field, highest_bit, lowest_bit in group_fields
+                if group_field is field
+            )
+            bits_text = first_or_raise(bits_texts, f"place of '{field.name}'")
+            answers_by_bits.setdefault(bits_text, answers_text(answers))
+        if len(answers_by_bits) == 1:
+            yield field, join_filled(answers_by_bits)
         else:
-            yield field, join_filled(f"{place} ({answers})" for place, answers in answers_by_place.items())
+            yield field, join_filled(f"{bits_text} ({answers})" for bits_text, answers in answers_by_bits.items())
 
 
 def links_to_frames_with(interface: Interface, group: str) -> list[str]:
@@ -301,7 +305,7 @@ def used_groups(interface: Interface) -> list[str]:
     return list(group_names)
 
 
-def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
+def table_of_positions(device: Device, layout: Layout, interface_name: str) -> str:
     """Return a table of field positions by order code, or "" if they are the same for all order codes.
 
     Answers to open questions that change the length of the layout have rows of their own. Places for the answers to
@@ -309,38 +313,38 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     """
     questions = [question for question in device.alternatives_of(layout) if _decides_length(layout, question)]
     # ``parameters`` are the values that the answers set.
-    answers_and_placements: list[tuple[tuple[Answer, ...], Placement]] = []
+    answers_and_layouts: list[tuple[tuple[Answer, ...], LayoutOfCodes]] = []
     for answers, parameters in answer_combinations(questions):
-        for placement in distinct_placements(device, layout, interface_name, parameters):
-            answers_and_placements.append((answers, placement))
-    if len(answers_and_placements) < 2:
+        for layout_of_codes in distinct_layouts(device, layout, interface_name, parameters):
+            answers_and_layouts.append((answers, layout_of_codes))
+    if len(answers_and_layouts) < 2:
         return ""
     moved_fields = _fields_moved_by_order_code(device, layout)
-    containers = _places_of_containers(layout, moved_fields)
+    place_by_padded_field = _places_of_containers(layout, moved_fields)
     table_rows = []
-    for answers, placement in answers_and_placements:
-        placed_layout = placement.placed_layout
+    for answers, layout_of_codes in answers_and_layouts:
+        placed_layout = layout_of_codes.placed_layout
         length_cell = "" if layout.bits.is_constant else f"{placed_layout.bits}"
         bits_cells = []
         for field in moved_fields:
             placed_field = placed_layout.find_field(field.name)
-            bits_cells.append(_bits_cell(placed_field, from_own_low=field.name in containers))
+            bits_cells.append(_bits_cell(placed_field, count_from_lowest_bit=field.name in place_by_padded_field))
         answer_cells = [code_span(answer.name) for answer in answers]
-        table_rows.append([order_codes(device, placement.codes), *answer_cells, length_cell, *bits_cells])
+        table_rows.append([order_codes(device, layout_of_codes.codes), *answer_cells, length_cell, *bits_cells])
     question_heads = [
         markdown_link(code_span(question.name), f"#alternative-{question.name}") for question in questions
     ]
-    field_heads = [_field_head(field, containers) for field in moved_fields]
+    field_heads = [_field_head(field, place_by_padded_field) for field in moved_fields]
     return table(["Order codes", *question_heads, "Bits", *field_heads], table_rows)
 
 
 def _fields_moved_by_order_code(device: Device, layout: Layout) -> list[Field]:
     """Return the fields, except padding, whose place or width depends on the order code."""
-    set_by_answers: set[str] = set()
+    answered_parameters: set[str] = set()
     for alternative in device.alternatives:
-        set_by_answers.update(alternative.answers[0].sets)
+        answered_parameters.update(alternative.answers[0].sets)
     fields_without_padding = [field for field in layout.fields if not field.padding_of]
-    return [field for field in fields_without_padding if _depends_on_order_code(field, set_by_answers)]
+    return [field for field in fields_without_padding if _depends_on_order_code(field, answered_parameters)]
 
 
 def _places_of_containers(layout: Layout, fields: Sequence[Field]) -> dict[str, str]:
@@ -353,21 +357,21 @@ def _places_of_containers(layout: Layout, fields: Sequence[Field]) -> dict[str, 
     return {field.name: field_place_cell(layout, field) for field in fields if field.container}
 
 
-def _bits_cell(placed_field: PlacedField | None, *, from_own_low: bool) -> str:
+def _bits_cell(placed_field: PlacedField | None, *, count_from_lowest_bit: bool) -> str:
     """Return the bits of a field, or a dash if it is None, which means that the order code does not have the field.
 
-    If ``from_own_low`` is True, bits are counted from the lowest bit of the field.
+    If ``count_from_lowest_bit`` is True, bits are counted from the lowest bit of the field.
     """
     if placed_field is None:
         return "–"
-    bit_0 = placed_field.low if from_own_low else 0
+    bit_0 = placed_field.low if count_from_lowest_bit else 0
     return bit_range(placed_field.high - bit_0, placed_field.low - bit_0)
 
 
-def _field_head(field: Field, containers: Mapping[str, str]) -> str:
+def _field_head(field: Field, place_by_padded_field: Mapping[str, str]) -> str:
     """Return the name of a field for the head of its column, followed by the place of its container if it has one."""
     name = code_span(field.name)
-    return f"{name} in {containers[field.name]}" if field.name in containers else name
+    return f"{name} in {place_by_padded_field[field.name]}" if field.name in place_by_padded_field else name
 
 
 def _decides_length(layout: Layout, alternative: Alternative) -> bool:
@@ -375,7 +379,7 @@ def _decides_length(layout: Layout, alternative: Alternative) -> bool:
     return not alternative.answers[0].sets.keys().isdisjoint(layout.bits.parameters)
 
 
-def _depends_on_order_code(field: Field, set_by_answers: Container[str]) -> bool:
+def _depends_on_order_code(field: Field, answered_parameters: Container[str]) -> bool:
     """Return whether the position or width of a field depends on any parameter that answers do not set."""
     parameters_of_place = (*field.low.parameters, *field.width.parameters)
-    return any(name not in set_by_answers for name in parameters_of_place)
+    return any(name not in answered_parameters for name in parameters_of_place)

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from ...model import LEFT_OUT, NOT_KNOWN, Alarm, Device, Erratum, Interface, Layout, Procedure, Register, Ssi
-from ...say.errata import STATUS_IN_WORDS, errata
+from ...say.errata import STATUS_IN_WORDS, errata_affecting
 from ...say.errata import describe_erratum as erratum_statement
 from ...say.names_and_evidence import Titled, heading
 from ...say.text import (
@@ -108,24 +108,24 @@ def link_to_erratum(device: Device, erratum: Erratum) -> str:
     return markdown_link(escape(erratum.title), f"{device.name}/{ERRATA}#erratum-{erratum.name}")
 
 
-def with_errata_linked(device: Device, page: str, page_text: str) -> str:
+def with_errata_linked(device: Device, page_path: str, page_text: str) -> str:
     """Return the text of a page with a link for each erratum that its sentences name, as in ``See erratum crc_start.``
 
-    ``page`` is the path of the page. A link shows the title of the erratum.
+    ``page_path`` is the path of the page. A link shows the title of the erratum.
     """
     if not device.errata:
         return page_text
     # Pages of the family are in its folder or next to it.
-    is_in_folder = page.startswith(f"{device.name}/")
-    folder = "" if is_in_folder else f"{device.name}/"
-    titles = {erratum.name: erratum.title for erratum in device.errata}
+    is_in_folder = page_path.startswith(f"{device.name}/")
+    path_to_folder = "" if is_in_folder else f"{device.name}/"
+    title_by_erratum = {erratum.name: erratum.title for erratum in device.errata}
     # Longer names first, so that a name does not match the beginning of a longer one.
-    longest_first = sorted(titles, key=len, reverse=True)
-    name_pattern = f"(?:{'|'.join(longest_first)})\\b"
+    names_longest_first = sorted(title_by_erratum, key=len, reverse=True)
+    name_pattern = f"(?:{'|'.join(names_longest_first)})\\b"
 
     def link_name(name_match: re.Match[str]) -> str:
-        name = name_match[0]
-        return markdown_link(escape(titles[name]), f"{folder}{ERRATA}#erratum-{name}")
+        erratum_name = name_match[0]
+        return markdown_link(escape(title_by_erratum[erratum_name]), f"{path_to_folder}{ERRATA}#erratum-{erratum_name}")
 
     def link_names_in_mention(mention: re.Match[str]) -> str:
         return re.sub(name_pattern, link_name, mention[0])
@@ -135,12 +135,12 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
     return re.sub(mention_pattern, link_names_in_mention, page_text)
 
 
-def links_to_steps(folder: str, names: Iterable[str]) -> list[str]:
+def links_to_steps(folder: str, procedure_names: Iterable[str]) -> list[str]:
     """Return links to the manual procedures with these names. ``folder`` is the path to the folder of the family."""
     links = []
-    for name in names:
-        label = escape(f"Steps: {heading(name)}")
-        links.append(markdown_link(label, f"{folder}hardware.md#by-hand-{name}"))
+    for procedure_name in procedure_names:
+        label = escape(f"Steps: {heading(procedure_name)}")
+        links.append(markdown_link(label, f"{folder}hardware.md#by-hand-{procedure_name}"))
     return links
 
 
@@ -151,8 +151,8 @@ def style_in_folder(device: Device) -> Style:
         """Return a link to the item. Only registers are on other pages."""
         for register in device.registers:
             if ref.anchor == f"register-{register.name}":
-                page = page_in_folder(register.interface, "registers")
-                return markdown_link(code_span(ref.name), f"{page}#{ref.anchor}")
+                page_name = page_in_folder(register.interface, "registers")
+                return markdown_link(code_span(ref.name), f"{page_name}#{ref.anchor}")
         return reference(ref)
 
     return replace(MARKDOWN, ref=reference_text)
@@ -189,15 +189,15 @@ class ErrataLines:
 
     def links_in_cell(self, *paths: str) -> str:
         """Return links for a table cell to the errata about these paths, including errata about wording."""
-        affecting_errata = errata(self._device, *paths, wording=True)
+        affecting_errata = errata_affecting(self._device, *paths, wording=True)
         links = [f"{status_badge(erratum)} {self._link_in_cell(erratum)}" for erratum in affecting_errata]
         return link_list(dict.fromkeys(links))
 
     def _link_in_cell(self, erratum: Erratum) -> str:
         """Return a link to an erratum, or for a difference from another edition, ``not known before edition 1.4``."""
         if erratum.edition and not self._device.edition:
-            state = erratum.used if erratum.used in (NOT_KNOWN, LEFT_OUT) else "different"
-            return self._link_to_erratum(erratum, f"{state} {_edition_phrase(erratum)}")
+            difference_text = erratum.used if erratum.used in (NOT_KNOWN, LEFT_OUT) else "different"
+            return self._link_to_erratum(erratum, f"{difference_text} {_edition_phrase(erratum)}")
         return self._title_link(erratum)
 
     def _title_link(self, erratum: Erratum) -> str:
@@ -251,18 +251,18 @@ class ErrataLinks:
             (erratum,) = linked_errata
             title_link = markdown_link(escape(erratum.title), f"#erratum-{erratum.name}")
             return f"{_MARK_BY_STATUS[erratum.status]} {STATUS_IN_WORDS[erratum.status]}: {title_link}"
-        counts: list[str] = []
-        links: list[str] = []
+        count_texts: list[str] = []
+        link_texts: list[str] = []
         for status, mark in _MARK_BY_STATUS.items():
             status_word = STATUS_IN_WORDS[status]
             errata_of_status = [erratum for erratum in linked_errata if erratum.status == status]
             if errata_of_status:
                 links_of_status = link_list(map(_html_link, errata_of_status))
-                counts.append(f"{mark} {len(errata_of_status)} {status_word}")
-                links.append(f"{mark} {status_word}: {links_of_status}")
-        if not links:
+                count_texts.append(f"{mark} {len(errata_of_status)} {status_word}")
+                link_texts.append(f"{mark} {status_word}: {links_of_status}")
+        if not link_texts:
             return ""
-        return f"<details><summary>Errata: {', '.join(counts)}</summary>{' '.join(links)}</details>"
+        return f"<details><summary>Errata: {', '.join(count_texts)}</summary>{' '.join(link_texts)}</details>"
 
     def count_by_status(self) -> str:
         """Return the number of errata that the page has mentioned so far, such as ``1 open, 3 resolved``."""
@@ -321,7 +321,7 @@ def _errata_by_origin(device: Device, *paths: str, exactly: Collection[str]) -> 
 
     If the device itself is another edition, all errata are in the first list.
     """
-    affecting_errata = errata(device, *paths, exactly=exactly, wording=True)
+    affecting_errata = errata_affecting(device, *paths, exactly=exactly, wording=True)
     edition_errata = [erratum for erratum in affecting_errata if erratum.edition and not device.edition]
     manual_errata = [erratum for erratum in affecting_errata if erratum not in edition_errata]
     return manual_errata, edition_errata
@@ -341,7 +341,7 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
     title_link = markdown_link(escape(listed_erratum.title), f"{page}#erratum-{listed_erratum.name}")
     status_and_title = f"{status_badge(listed_erratum)} {title_link}"
     if listed_erratum.overlay:
-        reasons = map(MARKDOWN.sentence, erratum_statement(listed_erratum).below)
+        reasons = map(MARKDOWN.sentence, erratum_statement(listed_erratum).statements_below)
         return " ".join([f"{status_and_title} {MARKDOWN.cited(listed_erratum.source)}:", *reasons])
     value_used = _shorten_sentences(as_sentence(listed_erratum.used))
     return f"{status_and_title}. Used: {escape(value_used)}"
@@ -353,8 +353,8 @@ def _shorten_sentences(sentences: str) -> str:
         return sentences
     text_that_fits = sentences[:_LONGEST_TEXT]
     separator = ". " if ". " in text_that_fits else " "
-    complete_part, _, _ = text_that_fits.rpartition(separator)
-    return f"{complete_part} …"
+    complete_sentences, _, _ = text_that_fits.rpartition(separator)
+    return f"{complete_sentences} …"
 
 
 def status_badge(erratum: Erratum) -> str:

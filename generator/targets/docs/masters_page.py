@@ -69,16 +69,18 @@ def page_links(device: Device) -> list[str]:
 
 def page_values(device: Device, interface_name: str, masters: Sequence[Master]) -> MastersPage:
     """Return the values of the page with the settings of all masters for an interface that has such settings."""
-    sheets_of_interface = (sheets for sheets in sheets_of(device, masters) if sheets.interface.name == interface_name)
+    sheets_of_interface = (
+        all_sheets for all_sheets in sheets_of(device, masters) if all_sheets.interface.name == interface_name
+    )
     group_sheets = first_or_raise(sheets_of_interface, f"sheets of {interface_name}")
-    sheets: list[SettingsSheet] = []
+    all_sheets: list[SettingsSheet] = []
     for _, master_sheets in group_sheets.sheets:
-        sheets += master_sheets
+        all_sheets += master_sheets
     return {
         "device": device,
         "example": group_sheets.groups[0].codes[0],
         "evidence": list(grade_below_manual(device)),
-        "legend": escape(legend_of_marks(masters, sheets, with_places=False)),
+        "legend": escape(legend_of_marks(masters, all_sheets, with_places=False)),
         "part": _interface_section(device, group_sheets),
     }
 
@@ -111,7 +113,7 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
         "anchor": interface.name,
         "facts": [*order_code_rows, *((escape(name), value) for name, value in common_rows)],
         "tables": tables,
-        "cable_errata": _links_to_errata(device, groups[0].facts.cables.errata),
+        "cable_errata": _links_to_errata(device, groups[0].facts.cable_table.errata),
         "notes": list(notes),
         "masters": master_sections,
         "links": master_links,
@@ -135,13 +137,13 @@ def _common_rows_and_tables(group_facts: GroupFacts) -> tuple[list[Row], list[Ta
     Facts that depend only on the supply have a table of their own.
     """
     fact_names: dict[str, None] = {}
-    for _, rows_of_group in group_facts:
-        fact_names |= dict.fromkeys(rows_of_group)
+    for _, row_by_fact in group_facts:
+        fact_names |= dict.fromkeys(row_by_fact)
     common_rows: list[Row] = []
     differing_facts: list[str] = []
     facts_by_supply: list[str] = []
     for fact_name in fact_names:
-        first_row, *other_rows = [rows_of_group.get(fact_name) for _, rows_of_group in group_facts]
+        first_row, *other_rows = [row_by_fact.get(fact_name) for _, row_by_fact in group_facts]
         is_common = all(row == first_row for row in other_rows)
         if first_row is not None and is_common:
             common_rows.append(first_row)
@@ -149,18 +151,20 @@ def _common_rows_and_tables(group_facts: GroupFacts) -> tuple[list[Row], list[Ta
             facts_by_supply.append(fact_name)
         else:
             differing_facts.append(fact_name)
-    tables = [_table_of_differences(names, group_facts) for names in (differing_facts, facts_by_supply) if names]
-    return common_rows, tables
+    difference_tables = [
+        _table_of_differences(names, group_facts) for names in (differing_facts, facts_by_supply) if names
+    ]
+    return common_rows, difference_tables
 
 
 def _depends_only_on_supply(fact_name: str, group_facts: GroupFacts) -> bool:
     """Return whether all groups of order codes with the same supply have the same value of a fact."""
     rows_by_supply: dict[tuple[int | None, int | None], set[Row | None]] = {}
-    for group, rows in group_facts:
+    for group, row_by_fact in group_facts:
         numbers = group.facts.numbers
-        supply = (numbers["supply_min_mv"], numbers["supply_max_mv"])
-        rows_by_supply.setdefault(supply, set()).add(rows.get(fact_name))
-    return all(len(rows) == 1 for rows in rows_by_supply.values())
+        supply_limits = (numbers["supply_min_mv"], numbers["supply_max_mv"])
+        rows_by_supply.setdefault(supply_limits, set()).add(row_by_fact.get(fact_name))
+    return all(len(different_rows) == 1 for different_rows in rows_by_supply.values())
 
 
 def _table_of_differences(fact_names: Sequence[str], group_facts: GroupFacts) -> Table:
@@ -169,8 +173,8 @@ def _table_of_differences(fact_names: Sequence[str], group_facts: GroupFacts) ->
     A group without a value has a dash.
     """
     groups_by_cells: dict[Row, list[CodesWithSameSettings]] = {}
-    for group, rows in group_facts:
-        cells = tuple(_value_cell(fact_name, rows) for fact_name in fact_names)
+    for group, row_by_fact in group_facts:
+        cells = tuple(_value_cell(fact_name, row_by_fact) for fact_name in fact_names)
         groups_by_cells.setdefault(cells, []).append(group)
     return {
         "head": ["Order codes", *fact_names],
@@ -178,11 +182,11 @@ def _table_of_differences(fact_names: Sequence[str], group_facts: GroupFacts) ->
     }
 
 
-def _value_cell(fact_name: str, rows: Mapping[str, Row]) -> str:
+def _value_cell(fact_name: str, row_by_fact: Mapping[str, Row]) -> str:
     """Return the value of a fact, or a dash if the group of order codes does not have this fact."""
-    if fact_name not in rows:
+    if fact_name not in row_by_fact:
         return "–"
-    _, value = rows[fact_name]
+    _, value = row_by_fact[fact_name]
     return value
 
 
@@ -199,26 +203,26 @@ def _codes_label(groups: Sequence[CodesWithSameSettings]) -> str:
         codes_by_answers.setdefault(answers, []).extend(group.codes)
     answered_questions = groups[0].facts.answers.keys()
     alternatives = [alternative for alternative in device.alternatives if alternative.name in answered_questions]
-    number_of_combinations = prod(len(alternative.answers) for alternative in alternatives)
-    has_all_combinations = len(codes_by_answers) == number_of_combinations
+    combination_count = prod(len(alternative.answers) for alternative in alternatives)
+    has_all_combinations = len(codes_by_answers) == combination_count
     different_codes = {frozenset(codes) for codes in codes_by_answers.values()}
     if has_all_combinations and len(different_codes) == 1:
         common_codes = next(iter(codes_by_answers.values()))
         return order_codes(device, common_codes)
-    labels = []
+    codes_and_answers = []
     for answers, codes in codes_by_answers.items():
-        label = order_codes(device, codes)
+        codes_text = order_codes(device, codes)
         for question, answer in answers:
-            label += f" with {code_span(f'{question}={answer}')}"
-        labels.append(label)
-    return join_filled(labels)
+            codes_text += f" with {code_span(f'{question}={answer}')}"
+        codes_and_answers.append(codes_text)
+    return join_filled(codes_and_answers)
 
 
-def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
+def _master_section(master: Master, groups_and_sheets: GroupSettings) -> dict[str, Any]:
     """Return the section about one master: its settings, notes, unsupported order codes, and the documents it cites."""
     # The reasons why the master does not support the order codes of a group are the refusals of its sheet.
-    supported_sheets = [(group, sheet) for group, sheet in sheets if not sheet.refusals]
-    refusal_lines = list(_refusal_lines(sheets))
+    supported_sheets = [(group, sheet) for group, sheet in groups_and_sheets if not sheet.refusals]
+    refusal_lines = list(_refusal_lines(groups_and_sheets))
     notes = [*_setting_notes(supported_sheets), *_further_notes(supported_sheets)]
     # A document is listed if its key, such as "M1", is in the texts.
     texts_with_sources = "\n".join([*refusal_lines, *notes])

@@ -161,8 +161,8 @@ class OrderCodes:
         variants_by_facts: dict[Hashable, list[Variant]] = {}
         for variant in self.device.variants:
             quantities = tuple(sorted(variant.parameters.items()))
-            limits = _clock_limits_of(self.device.interface(variant.interface), variant.code)
-            variants_by_facts.setdefault((variant.interface, quantities, limits), []).append(variant)
+            clock_limits = _clock_limits_of(self.device.interface(variant.interface), variant.code)
+            variants_by_facts.setdefault((variant.interface, quantities, clock_limits), []).append(variant)
         variants_of_groups = variants_by_facts.values()
         first_codes = [variants[0].code for variants in variants_of_groups]
         page_names = names_of_codes(first_codes, RESERVED_NAMES)
@@ -197,12 +197,12 @@ class OrderCodes:
 
     def _links_to_order_codes(self, folder: str) -> dict[str, str]:
         """Return the link to the page of each order code, from pages that reach it through ``folder``."""
-        links: dict[str, str] = {}
+        link_by_order_code: dict[str, str] = {}
         for group in self.groups:
             page_path = f"{folder}{group.name}.md"
             for order_code in group.codes:
-                links[order_code] = markdown_link(code_span(order_code), page_path)
-        return links
+                link_by_order_code[order_code] = markdown_link(code_span(order_code), page_path)
+        return link_by_order_code
 
 
 def _clock_limits_of(interface: Interface, order_code: str) -> Hashable:
@@ -232,9 +232,9 @@ def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
 def _tables_and_summaries(code_group: CodeGroup) -> TablesAndSummaries:
     """Return the parts of the page that consist of facts of the family alone."""
     device, interface = code_group.device, code_group.interface
-    number_of_frames = count_with_unit(len(interface.layouts), "frame")
+    frame_count = count_with_unit(len(interface.layouts), "frame")
     return {
-        "frames_summary": f"{number_of_frames} with CRC" if device.crcs else number_of_frames,
+        "frames_summary": f"{frame_count} with CRC" if device.crcs else frame_count,
         "registers_summary": _registers_summary(device),
         "procedures_summary": f"{count_with_unit(len(device.procedures), 'procedure')}, step by step",
         "setting_lines": list(fact_tables.setting_lines(device, interface)),
@@ -328,11 +328,11 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
     layouts_of_family = family.interface(code_group.interface.name).layouts
     family_layout = member_named(layouts_of_family, layout.name, "layout")
     verdict_head, verdict_rows = verdict_table.verdict_table(family, device, family_layout, variant)
-    size = statement(*describe_size(layout, device.alternatives))
+    size_statement = statement(*describe_size(layout, device.alternatives))
     return {
         "title": title_of(layout),
         "name": layout.name,
-        "size": MARKDOWN.phrase(size),
+        "size": MARKDOWN.phrase(size_statement),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         # Width of the widest screen that shows the narrow picture.
@@ -366,10 +366,10 @@ def _registers_summary(device: Device) -> str:
     """Return the number of registers and their lowest and highest address, or "" if there are no registers."""
     if not device.registers:
         return ""
-    number_of_registers = count_with_unit(len(device.registers), "register")
+    register_count = count_with_unit(len(device.registers), "register")
     lowest_address = min(register.address for register in device.registers)
     highest_address = max(register.last_address for register in device.registers)
-    return f"{number_of_registers} from {hexadecimal(lowest_address)} to {hexadecimal(highest_address)}"
+    return f"{register_count} from {hexadecimal(lowest_address)} to {hexadecimal(highest_address)}"
 
 
 def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
@@ -380,25 +380,25 @@ def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
     """
     run_time_parameters = run_time_names(code_group.family)
     # All order codes of a group set the same quantities, so the first represents all.
-    values = code_group.variants[0].parameters
+    value_by_parameter = code_group.variants[0].parameters
     for parameter in parameters_of(code_group.family, code_group.interface.name):
         is_set_by_answer = bool(parameter.alternative)
-        if not is_set_by_answer and values[parameter.name] != 0:
+        if not is_set_by_answer and value_by_parameter[parameter.name] != 0:
             yield _quantity_row(
                 code_group.family,
                 parameter,
-                value=values[parameter.name],
+                value=value_by_parameter[parameter.name],
                 is_set_by_registers=parameter.name in run_time_parameters,
             )
 
 
 def _quantity_row(family_device: Device, parameter: Parameter, *, value: int, is_set_by_registers: bool) -> Row:
     """Return a row of value, meaning for a quantity that the order code or a register sets."""
-    quantity = with_unit(parameter_value(parameter, value), escape(parameter.unit))
+    value_with_unit = with_unit(parameter_value(parameter, value), escape(parameter.unit))
     meaning = escape(as_sentence(order_code_tables.meaning_without_range(family_device, parameter)))
-    origin = _origin_of_quantity(family_device, parameter, is_set_by_registers)
+    origin_sentence = _origin_of_quantity(family_device, parameter, is_set_by_registers)
     name_and_source = f"<small>{code_span(parameter.name)}</small> <small>{citation(parameter.source)}</small>"
-    return quantity, f"{meaning}{origin} {name_and_source}"
+    return value_with_unit, f"{meaning}{origin_sentence} {name_and_source}"
 
 
 def _origin_of_quantity(family_device: Device, parameter: Parameter, is_set_by_registers: bool) -> str:

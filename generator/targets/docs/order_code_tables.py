@@ -33,25 +33,27 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
 
     If a part accepts values that are not listed, its last row says so.
     """
-    parameters = {parameter.name: parameter for parameter in device.parameters}
+    parameter_by_name = {parameter.name: parameter for parameter in device.parameters}
     for code_part in device.order_code.parts:
         name_cell, meaning_cell = code_span(code_part.name), escape(code_part.meaning)
         for part_value in code_part.values:
             # The parameters that this value of the part sets.
-            assignments = [_assignment_text(parameters[name], number) for name, number in part_value.sets.items()]
-            condition = _combinable_parts(part_value.only_with)
+            assignment_texts = [
+                _assignment_text(parameter_by_name[name], number) for name, number in part_value.sets.items()
+            ]
+            condition_text = _combinable_parts(part_value.only_with)
             yield (
                 name_cell,
                 meaning_cell,
                 code_span(part_value.text),
-                join_filled([escape(part_value.meaning), ", ".join(assignments), condition]),
+                join_filled([escape(part_value.meaning), ", ".join(assignment_texts), condition_text]),
                 citation(part_value.source or code_part.source),
             )
             # Only the first row of a part names it.
             name_cell, meaning_cell = "", ""
         for open_value in open_values(code_part):
-            condition = _combinable_parts(code_part.open_only_with)
-            other_values_cell = join_filled([MARKDOWN.sentence(open_value), condition])
+            condition_text = _combinable_parts(code_part.open_only_with)
+            other_values_cell = join_filled([MARKDOWN.sentence(open_value), condition_text])
             yield "", "", "", other_values_cell, citation(code_part.source)
 
 
@@ -179,12 +181,12 @@ def _alternative_section(device: Device, alternative: Alternative) -> dict[str, 
 
 def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tuple[str, ...]:
     """Return a row of answer, meaning, quantities that it sets, source for one answer to an open question."""
-    parameters = {parameter.name: parameter for parameter in device.parameters}
+    parameter_by_name = {parameter.name: parameter for parameter in device.parameters}
     assignments = []
     for name, value in answer.sets.items():
         # A device reduced to one interface does not have the parameters of other interfaces.
-        if name in parameters:
-            parameter = parameters[name]
+        if name in parameter_by_name:
+            parameter = parameter_by_name[name]
             assignments.append(f"{_assignment_text(parameter, value)} ({escape(parameter.meaning)})")
     source = answer.source or alternative.source
     return code_span(answer.name), escape(answer.meaning), join_filled(assignments), citation(source)
@@ -237,8 +239,8 @@ def code_patterns(device: Device, codes: Collection[str]) -> list[str]:
     """Return patterns that together match exactly these order codes, such as `A-x/y` with x = 1 or 2, y = B or C."""
     part_names = [part.name for part in device.order_code.parts]
     variants = [variant for variant in device.variants if variant.code in codes]
-    texts_by_variant = [_texts_of_parts(variant, part_names) for variant in variants]
-    products = _group_into_products(texts_by_variant)
+    texts_of_order_codes = [_texts_of_parts(variant, part_names) for variant in variants]
+    products = _group_into_products(texts_of_order_codes)
     return [_code_pattern(device.order_code, part_names, texts_by_part) for texts_by_part in products]
 
 
@@ -273,32 +275,32 @@ def _unused_letters(fixed_letters: Collection[str]) -> Iterator[str]:
     yield from (f"x{number}" for number in count(1))
 
 
-def _group_into_products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
+def _group_into_products(texts_of_order_codes: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
     """Yield groups of order codes, each as the texts that its parts can have: ``[["A"], ["1", "2"]]`` for A-1 and A-2.
 
     Within a group, the texts of all parts can be combined freely. If they cannot, the order codes are split by the part
     that leads to the fewest groups: A-1, A-2 and B-1 become one group with A-1 and A-2, and one with B-1.
     """
-    number_of_parts = len(combinations[0])
-    groups_by_part = [_split_by_part(combinations, index) for index in range(number_of_parts)]
+    part_count = len(texts_of_order_codes[0])
+    groups_by_part = [_split_by_part(texts_of_order_codes, index) for index in range(part_count)]
     splitting_groups = [groups for groups in groups_by_part if len(groups) > 1]
     if not splitting_groups:
-        texts_by_part = zip(*combinations, strict=True)
+        texts_by_part = zip(*texts_of_order_codes, strict=True)
         yield [list(dict.fromkeys(texts)) for texts in texts_by_part]
         return
     for group in min(splitting_groups, key=len):
         yield from _group_into_products(group)
 
 
-def _split_by_part(combinations: Sequence[PartTexts], index: int) -> list[list[PartTexts]]:
-    """Return the order codes in groups: texts of the part at ``index`` that combine with the same other parts."""
+def _split_by_part(texts_of_order_codes: Sequence[PartTexts], part_index: int) -> list[list[PartTexts]]:
+    """Return the order codes in groups: texts of the part at ``part_index`` that combine with the same other parts."""
     other_parts_by_text: dict[str, set[PartTexts]] = {}
-    for part_texts in combinations:
-        other_parts = part_texts[:index] + part_texts[index + 1 :]
-        other_parts_by_text.setdefault(part_texts[index], set()).add(other_parts)
+    for part_texts in texts_of_order_codes:
+        other_parts = part_texts[:part_index] + part_texts[part_index + 1 :]
+        other_parts_by_text.setdefault(part_texts[part_index], set()).add(other_parts)
     groups: dict[frozenset[PartTexts], list[PartTexts]] = {}
-    for part_texts in combinations:
-        combinable_parts = frozenset(other_parts_by_text[part_texts[index]])
+    for part_texts in texts_of_order_codes:
+        combinable_parts = frozenset(other_parts_by_text[part_texts[part_index]])
         groups.setdefault(combinable_parts, []).append(part_texts)
     return list(groups.values())
 
@@ -325,27 +327,27 @@ def with_widths_of_order_code(family_device: Device, device: Device, variant: Va
     """Return the device with notes on frames that have the widths for an order code in place of ranges."""
     parameters = [parameter for parameter in family_device.parameters if parameter.name in variant.parameters]
     ranges = [range_of_widths(family_device, parameter) for parameter in parameters]
-    widths: dict[str, str] = {}
+    width_by_range: dict[str, str] = {}
     for parameter, family_range in zip(parameters, ranges, strict=True):
         # A text does not distinguish two parameters with the same range.
         is_unique = ranges.count(family_range) == 1
         if family_range and is_unique:
-            widths[family_range] = str(variant.parameters[parameter.name])
-    interfaces = [_interface_with_widths(interface, widths) for interface in device.interfaces]
+            width_by_range[family_range] = str(variant.parameters[parameter.name])
+    interfaces = [_interface_with_widths(interface, width_by_range) for interface in device.interfaces]
     return replace(device, interfaces=tuple(interfaces))
 
 
-def _interface_with_widths(interface: Interface, widths: Mapping[str, str]) -> Interface:
-    """Return the interface with each range in the notes on its frames replaced by a width. ``widths`` are by range."""
-    layouts = [_layout_with_widths(layout, widths) for layout in interface.layouts]
+def _interface_with_widths(interface: Interface, width_by_range: Mapping[str, str]) -> Interface:
+    """Return the interface with each range in the notes on its frames replaced by a width."""
+    layouts = [_layout_with_widths(layout, width_by_range) for layout in interface.layouts]
     return replace(interface, layouts=tuple(layouts))
 
 
-def _layout_with_widths(layout: Layout, widths: Mapping[str, str]) -> Layout:
-    """Return the layout with each range in its note replaced by a width. ``widths`` are by range."""
+def _layout_with_widths(layout: Layout, width_by_range: Mapping[str, str]) -> Layout:
+    """Return the layout with each range in its note replaced by a width."""
     note = layout.note
     # The text around a range is part of the pattern, so that it does not match within a longer number.
-    for family_range, width in widths.items():
+    for family_range, width in width_by_range.items():
         note = note.replace(f" {family_range} bits", f" {width} bits")
         note = note.replace(f", {family_range},", f", {width},")
     return replace(layout, note=note)

@@ -25,12 +25,12 @@ _SIGNAL_HEIGHT, _ROW_HEIGHT, _NAME_WIDTH, _MARGIN = 24.0, 58.0, 70.0, 16.0
 _PULSE_WIDTH = 24.0
 
 
-class Trace(Enum):
-    """Behavior of a signal line during a part of the diagram."""
+class LineShape(Enum):
+    """Shape of a signal line during a part of the diagram."""
 
-    UP = "up"
-    DOWN = "down"
-    EITHER = "either"
+    HIGH = "high"
+    LOW = "low"
+    DATA_BOX = "data box"
     CLOCK = "clock"
     GAP = "gap"
 
@@ -39,7 +39,7 @@ class Trace(Enum):
 class SignalPart:
     """Part of a signal line: a level, clock pulses, a gap, or a box of data with its color class ``fill``."""
 
-    trace: Trace
+    shape: LineShape
     width: float
     label: str = ""
     fill: str = ""
@@ -93,24 +93,24 @@ def _symbol_with_times(interface: Interface, symbol: str) -> str:
 
 def _ssi_diagram(interface: Ssi) -> TimingDiagram:
     """Return the diagram of an SSI word with its clocks. After the word, the data line stays low and then goes high."""
-    up, down = Trace.UP, Trace.DOWN
+    high, low = LineShape.HIGH, LineShape.LOW
     first_bits = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
     clock_line = (
-        SignalPart(up, width=40),
-        SignalPart(Trace.CLOCK, width=3 * _PULSE_WIDTH),
-        SignalPart(Trace.GAP, width=40),
-        SignalPart(Trace.CLOCK, width=3 * _PULSE_WIDTH),
-        SignalPart(up, width=150),
-        SignalPart(Trace.CLOCK, width=2 * _PULSE_WIDTH),
+        SignalPart(high, width=40),
+        SignalPart(LineShape.CLOCK, width=3 * _PULSE_WIDTH),
+        SignalPart(LineShape.GAP, width=40),
+        SignalPart(LineShape.CLOCK, width=3 * _PULSE_WIDTH),
+        SignalPart(high, width=150),
+        SignalPart(LineShape.CLOCK, width=2 * _PULSE_WIDTH),
     )
     # Data is sent from the first rising edge of the clock to the last one.
     data_line = (
-        SignalPart(up, width=52),
-        SignalPart(Trace.EITHER, width=64, label="first bit", fill="data"),
-        SignalPart(Trace.EITHER, width=32, label="…", fill="data"),
-        SignalPart(Trace.EITHER, width=64, label="last bit", fill="data"),
-        SignalPart(down, width=60),
-        SignalPart(up, width=150),
+        SignalPart(high, width=52),
+        SignalPart(LineShape.DATA_BOX, width=64, label="first bit", fill="data"),
+        SignalPart(LineShape.DATA_BOX, width=32, label="…", fill="data"),
+        SignalPart(LineShape.DATA_BOX, width=64, label="last bit", fill="data"),
+        SignalPart(low, width=60),
+        SignalPart(high, width=150),
     )
     # The word ends at 212 pixels, data is low until 272, and the next word begins at 374.
     monoflop = _symbol_with_times(interface, "Tm")
@@ -127,50 +127,50 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
 
 def _spi_diagram(interface: Spi) -> TimingDiagram:
     """Return the diagram of two SPI words, with the request and the reply in each."""
-    up, down = Trace.UP, Trace.DOWN
+    high, low = LineShape.HIGH, LineShape.LOW
     has_requests = bool(interface.exchanges)
     # Each word contains the reply to its own request, or to the request in the word before.
     replies = ("reply 1", "reply 2")
     if has_requests and interface.reply == "next_word":
         replies = ("reply to the request before", "reply to request 1")
     select_line = (
-        SignalPart(up, width=40),
-        SignalPart(down, width=180),
-        SignalPart(up, width=40),
-        SignalPart(down, width=180),
-        SignalPart(up, width=40),
+        SignalPart(high, width=40),
+        SignalPart(low, width=180),
+        SignalPart(high, width=40),
+        SignalPart(low, width=180),
+        SignalPart(high, width=40),
     )
     clock_line = (
-        SignalPart(down, width=56),
-        SignalPart(Trace.CLOCK, width=6 * _PULSE_WIDTH),
-        SignalPart(down, width=76),
-        SignalPart(Trace.CLOCK, width=6 * _PULSE_WIDTH),
-        SignalPart(down, width=60),
+        SignalPart(low, width=56),
+        SignalPart(LineShape.CLOCK, width=6 * _PULSE_WIDTH),
+        SignalPart(low, width=76),
+        SignalPart(LineShape.CLOCK, width=6 * _PULSE_WIDTH),
+        SignalPart(low, width=60),
     )
 
     lines: list[tuple[str, tuple[SignalPart, ...]]] = [("CS", select_line), ("Clock", clock_line)]
-    behaviour = "The encoder ignores the words that the master sends."
+    sentence_on_requests = "The encoder ignores the words that the master sends."
     if has_requests:
         lines.append(("MOSI", _spi_words("request 1", "request 2")))
-        behaviour = f"{REPLIES[interface.reply].capitalize()}."
+        sentence_on_requests = f"{REPLIES[interface.reply].capitalize()}."
     lines.append(("MISO", _spi_words(*replies)))
     lengths = word_lengths(interface.lengths)
     return TimingDiagram(
         title="SPI: two words",
         lines=tuple(lines),
         spans=(),
-        text=f"Chip select is low during each word of {lengths}, and high between words. {behaviour}",
+        text=f"Chip select is low during each word of {lengths}, and high between words. {sentence_on_requests}",
     )
 
 
 def _spi_words(first_label: str, second_label: str) -> tuple[SignalPart, ...]:
     """Return a data line with two words that have these labels."""
     return (
-        SignalPart(Trace.DOWN, width=44),
-        SignalPart(Trace.EITHER, width=172, label=first_label, fill="data"),
-        SignalPart(Trace.DOWN, width=48),
-        SignalPart(Trace.EITHER, width=172, label=second_label, fill="data"),
-        SignalPart(Trace.DOWN, width=44),
+        SignalPart(LineShape.LOW, width=44),
+        SignalPart(LineShape.DATA_BOX, width=172, label=first_label, fill="data"),
+        SignalPart(LineShape.LOW, width=48),
+        SignalPart(LineShape.DATA_BOX, width=172, label=second_label, fill="data"),
+        SignalPart(LineShape.LOW, width=44),
     )
 
 
@@ -199,18 +199,18 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
 
 def _biss_data_line(names_and_fills: Sequence[tuple[str, str]]) -> tuple[SignalPart, ...]:
     """Return the line SLO of a BiSS frame. Its fields are given with their names and color classes."""
-    boxes = []
+    data_boxes = []
     for name, fill in names_and_fills:
         box_width = max(34.0, text_width(name, 11) + 10)
-        boxes.append(SignalPart(Trace.EITHER, width=box_width, label=name, fill=fill))
+        data_boxes.append(SignalPart(LineShape.DATA_BOX, width=box_width, label=name, fill=fill))
     return (
-        SignalPart(Trace.UP, width=76),  # up to the second rising edge of MA
-        SignalPart(Trace.DOWN, width=60, label="Ack"),
-        SignalPart(Trace.UP, width=36, label="Start"),
-        SignalPart(Trace.EITHER, width=36, label="CDS", fill="choice"),
-        *boxes,
-        SignalPart(Trace.DOWN, width=90, label="stop"),
-        SignalPart(Trace.UP, width=46),
+        SignalPart(LineShape.HIGH, width=76),  # up to the second rising edge of MA
+        SignalPart(LineShape.LOW, width=60, label="Ack"),
+        SignalPart(LineShape.HIGH, width=36, label="Start"),
+        SignalPart(LineShape.DATA_BOX, width=36, label="CDS", fill="choice"),
+        *data_boxes,
+        SignalPart(LineShape.LOW, width=90, label="stop"),
+        SignalPart(LineShape.HIGH, width=46),
     )
 
 
@@ -219,12 +219,12 @@ def _biss_clock_line(timeout_start: float) -> tuple[SignalPart, ...]:
     # The width of a whole number of pulses, after 136 pixels with the first pulses and a gap of at least 40 pixels.
     clocks_width = (timeout_start - 176) // _PULSE_WIDTH * _PULSE_WIDTH
     return (
-        SignalPart(Trace.UP, width=40),
-        SignalPart(Trace.CLOCK, width=4 * _PULSE_WIDTH),
-        SignalPart(Trace.GAP, width=timeout_start - 136 - clocks_width),
-        SignalPart(Trace.CLOCK, width=clocks_width),
-        SignalPart(Trace.EITHER, width=90, label="not CDM", fill="choice"),
-        SignalPart(Trace.UP, width=46),
+        SignalPart(LineShape.HIGH, width=40),
+        SignalPart(LineShape.CLOCK, width=4 * _PULSE_WIDTH),
+        SignalPart(LineShape.GAP, width=timeout_start - 136 - clocks_width),
+        SignalPart(LineShape.CLOCK, width=clocks_width),
+        SignalPart(LineShape.DATA_BOX, width=90, label="not CDM", fill="choice"),
+        SignalPart(LineShape.HIGH, width=46),
     )
 
 
@@ -270,34 +270,38 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
     """Return the diagram of a request with its reply. If a procedure repeats requests, two repetitions follow."""
     request_size, reply_size = _sizes_of_frames(interface)
     request_label = f"request, {request_size}"
-    master = [
-        SignalPart(Trace.UP, width=40),
-        SignalPart(Trace.EITHER, width=text_width(request_label, 11) + 12, label=request_label, fill="choice"),
+    master_parts = [
+        SignalPart(LineShape.HIGH, width=40),
+        SignalPart(LineShape.DATA_BOX, width=text_width(request_label, 11) + 12, label=request_label, fill="choice"),
     ]
-    request_end = sum(part.width for part in master)
-    reply = SignalPart(Trace.EITHER, width=170, label=f"reply, {reply_size}", fill="data")
-    encoder = [SignalPart(Trace.UP, width=request_end + 40), reply, SignalPart(Trace.UP, width=40)]
+    request_end = sum(part.width for part in master_parts)
+    reply_part = SignalPart(LineShape.DATA_BOX, width=170, label=f"reply, {reply_size}", fill="data")
+    encoder_parts = [
+        SignalPart(LineShape.HIGH, width=request_end + 40),
+        reply_part,
+        SignalPart(LineShape.HIGH, width=40),
+    ]
     description = f"The master sends a request of {request_size}. The encoder answers with {reply_size}."
     spans: tuple[Span, ...] = ()
     pause_us = _pause_between_requests(device, interface)
     if pause_us:
         repetition_width = 60.0
         first_repetition_end = request_end + 270 + repetition_width
-        pause = f"between repeated requests: at least {time_text(pause_us)}"
+        pause_label = f"between repeated requests: at least {time_text(pause_us)}"
         # Both lines end 490 pixels after the request.
-        master += [
-            SignalPart(Trace.UP, width=270),
-            SignalPart(Trace.EITHER, width=repetition_width, label="1st", fill="choice"),
-            SignalPart(Trace.UP, width=repetition_width),
-            SignalPart(Trace.EITHER, width=repetition_width, label="2nd", fill="choice"),
-            SignalPart(Trace.GAP, width=40),
+        master_parts += [
+            SignalPart(LineShape.HIGH, width=270),
+            SignalPart(LineShape.DATA_BOX, width=repetition_width, label="1st", fill="choice"),
+            SignalPart(LineShape.HIGH, width=repetition_width),
+            SignalPart(LineShape.DATA_BOX, width=repetition_width, label="2nd", fill="choice"),
+            SignalPart(LineShape.GAP, width=40),
         ]
-        encoder.append(SignalPart(Trace.UP, width=240))
-        spans = (Span(start=first_repetition_end, end=first_repetition_end + repetition_width, label=pause),)
+        encoder_parts.append(SignalPart(LineShape.HIGH, width=240))
+        spans = (Span(start=first_repetition_end, end=first_repetition_end + repetition_width, label=pause_label),)
         description += f" Repeated requests are at least {time_text(pause_us)} apart."
     return TimingDiagram(
         title="RS-485: requests and replies",
-        lines=(("Master", tuple(master)), ("Encoder", tuple(encoder))),
+        lines=(("Master", tuple(master_parts)), ("Encoder", tuple(encoder_parts))),
         spans=spans,
         text=description,
     )
@@ -365,36 +369,36 @@ def _line_elements(signal_parts: Sequence[SignalPart], *, left: float, top: floa
     for part in signal_parts:
         part_right = part_left + part.width
         center = part_left + part.width / 2
-        match part.trace:
-            case Trace.UP | Trace.DOWN:
-                level_y = top if part.trace is Trace.UP else top + _SIGNAL_HEIGHT
+        match part.shape:
+            case LineShape.HIGH | LineShape.LOW:
+                level_y = top if part.shape is LineShape.HIGH else top + _SIGNAL_HEIGHT
                 command = "L" if path else "M"
                 path.append(f"{command}{number(part_left)} {number(level_y)}H{number(part_right)}")
                 if part.label:
                     yield draw_text(part.label, x=center, y=label_baseline, size=11, anchor="middle", faint=True)
-            case Trace.CLOCK:
+            case LineShape.CLOCK:
                 if not path:
                     path.append(f"M{number(part_left)} {number(top)}")
                 path += _pulse_path(part.width, left=part_left, top=top)
-            case Trace.GAP:
+            case LineShape.GAP:
                 yield draw_text("· · ·", x=center, y=label_baseline + 1, size=12, anchor="middle", faint=True)
                 path.append(f"M{number(part_right)} {number(top)}")
-            case Trace.EITHER:
+            case LineShape.DATA_BOX:
                 yield draw_box(left=part_left, top=top, box_width=part.width, box_height=_SIGNAL_HEIGHT, fill=part.fill)
                 yield draw_text(part.label, x=center, y=label_baseline, size=11, anchor="middle")
                 path.append(f"M{number(part_right)} {number(top)}")
             case _:
-                assert_never(part.trace)
+                assert_never(part.shape)
         part_left = part_right
     yield f'<path d="{"".join(path)}" class="wave"/>'
 
 
 def _pulse_path(pulses_width: float, *, left: float, top: float) -> Iterator[str]:
     """Yield the path commands of consecutive pulses of this total width, each of which is first low and then high."""
-    number_of_pulses = round(pulses_width / _PULSE_WIDTH)
-    half_period = pulses_width / number_of_pulses / 2
+    pulse_count = round(pulses_width / _PULSE_WIDTH)
+    half_period = pulses_width / pulse_count / 2
     bottom = top + _SIGNAL_HEIGHT
-    for index in range(number_of_pulses):
+    for index in range(pulse_count):
         falling_edge = left + 2 * half_period * index
         rising_edge = falling_edge + half_period
         pulse_end = left + 2 * half_period * (index + 1)

@@ -99,18 +99,18 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, verdict
     If some order codes lack the bits that say whether the position is usable, a last row has their verdict.
     """
     # A sign is a set of field values that decides the verdict. Its flag represents it.
-    signs = {sign.flag.name: sign for sign in layout.signs}
+    sign_by_field = {sign.flag.name: sign for sign in layout.signs}
     deciders = _deciding_fields(layout, verdict_rules)
     for decider in deciders:
-        sign = signs.get(decider.field.name)
+        sign = sign_by_field.get(decider.field.name)
         yield _decider_row(device, interface, layout, decider=decider, sign=sign)
     # Rows of deciding field, value, verdict, source, errata.
     other_cases = "none of these" if deciders else "no field decides"
     yield other_cases, "", EFFECTS[verdict_rules.otherwise], "", ""
     if verdict_rules.may_be_unknown:
         judging_names = [CodeText(field.name) for field in layout.judging_fields]
-        lacking_names = MARKDOWN.phrase(statement(*list_parts(judging_names)))
-        yield f"order codes that lack {lacking_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
+        lacking_names_text = MARKDOWN.phrase(statement(*list_parts(judging_names)))
+        yield f"order codes that lack {lacking_names_text}", "", EFFECTS[Verdict.UNKNOWN], "", ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,23 +131,26 @@ def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decid
     If the verdict without any cause is UNKNOWN, fields that lead to a warning or to UNKNOWN are listed with UNKNOWN,
     because a warning does not improve it. Fields that leave the position usable are last.
     """
-    fields_and_signs = (*layout.fields, *(sign.flag for sign in layout.signs))
+    # A sign is a set of field values that decides the verdict. Its flag represents it.
+    fields_and_flags_of_signs = (*layout.fields, *(sign.flag for sign in layout.signs))
     deciders: list[_Decider] = []
     for verdict, causes in verdict_rules.worst_first:
         deciders += [_Decider(verdict, cause.cause.field, cause.conditions) for cause in causes]
     if verdict_rules.otherwise is Verdict.UNKNOWN:
-        no_improvement = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
-        warning_fields = [field for field in layout.fields if field.makes_position in no_improvement]
-        deciders += [_Decider(Verdict.UNKNOWN, field) for field in warning_fields]
+        verdicts_without_improvement = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
+        fields_without_improvement = [
+            field for field in layout.fields if field.makes_position in verdicts_without_improvement
+        ]
+        deciders += [_Decider(Verdict.UNKNOWN, field) for field in fields_without_improvement]
     # The enumeration lists the verdicts from the worst to the best.
     worst_first = list(Verdict)
-    field_names = [field.name for field in fields_and_signs]
+    field_names = [field.name for field in fields_and_flags_of_signs]
 
     def verdict_and_place(decider: _Decider) -> tuple[int, int]:
         return worst_first.index(decider.verdict), field_names.index(decider.field.name)
 
     deciders.sort(key=verdict_and_place)
-    usable_fields = [field for field in fields_and_signs if field.makes_position is Verdict.USABLE]
+    usable_fields = [field for field in fields_and_flags_of_signs if field.makes_position is Verdict.USABLE]
     return [*deciders, *(_Decider(Verdict.USABLE, field) for field in usable_fields)]
 
 
@@ -201,10 +204,10 @@ def _answer_text(device: Device, question: Alternative, condition: CodeCondition
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
     interface = first_or_raise(interfaces, f"frame whose verdict '{question.name}' decides")
-    page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
+    path_to_question = f"{device.name}/{interface.name}.md#alternative-{question.name}"
     # The default answer sets the parameter to 0.
-    default = "" if condition.holds else " (the default)"
-    return f"if {markdown_link('you choose', page)} {answer_names}{default}"
+    default_text = "" if condition.holds else " (the default)"
+    return f"if {markdown_link('you choose', path_to_question)} {answer_names}{default_text}"
 
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:
@@ -234,8 +237,8 @@ def _frame_rows(device: Device, reporting_by_frame: Mapping[str, ReportsAndVerdi
     layouts_by_reports: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
         if layout.sender == "encoder":
-            reporting = reporting_by_frame.get(layout.name)
-            causes = reporting.causes if reporting is not None else ()
+            reports_and_verdict = reporting_by_frame.get(layout.name)
+            causes = reports_and_verdict.causes if reports_and_verdict is not None else ()
             report_names = tuple(cause.report.name for cause in causes)
             layouts_by_reports.setdefault((interface.title, report_names), []).append(layout)
     for (interface_title, report_names), layouts in layouts_by_reports.items():
@@ -250,12 +253,12 @@ def _report_rows(device: Device) -> Iterator[Row]:
         alarm = alarm_of(device, field)
         name_cell = join_filled([code_span(report.name), escape(own_names(field))])
         step_links = links_to_steps(f"{device.name}/", manual_steps(field, alarm))
-        remedy = join_filled([escape(remedy_text(field, alarm)), *step_links])
-        if not remedy:
-            remedy = _clearing_procedures(device, alarm)
-        if not remedy:
-            remedy = f"The {word_for_document(device)} gives no remedy"
-        yield name_cell, escape(meaning(field, alarm)), remedy, citation(alarm_source(field, alarm))
+        remedy_cell_text = join_filled([escape(remedy_text(field, alarm)), *step_links])
+        if not remedy_cell_text:
+            remedy_cell_text = _clearing_procedures(device, alarm)
+        if not remedy_cell_text:
+            remedy_cell_text = f"The {word_for_document(device)} gives no remedy"
+        yield name_cell, escape(meaning(field, alarm)), remedy_cell_text, citation(alarm_source(field, alarm))
 
 
 def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:

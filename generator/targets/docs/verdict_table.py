@@ -58,11 +58,11 @@ def verdict_table(family_device: Device, device: Device, layout: Layout, variant
     effect_of_other_flags = "unchanged" if verdict_rules is not None else ""
     rows += _rows_of_other_flags(device, placed_layout, causes_by_verdict, effect_of_other_flags)
     if verdict_rules is not None and causes_by_verdict:
-        with_crc = "" if placed_layout.crc_field is None else ", and the CRC is correct"
-        rows.append(("", f"none of these{with_crc}", "", EFFECTS[verdict_rules.otherwise], ""))
+        crc_condition = "" if placed_layout.crc_field is None else ", and the CRC is correct"
+        rows.append(("", f"none of these{crc_condition}", "", EFFECTS[verdict_rules.otherwise], ""))
     columns_with_content = _indices_with_content(rows)
-    head = _cells_at(_COLUMN_HEADINGS, columns_with_content)
-    return head, [_cells_at(row, columns_with_content) for row in rows]
+    headings = _cells_at(_COLUMN_HEADINGS, columns_with_content)
+    return headings, [_cells_at(row, columns_with_content) for row in rows]
 
 
 def _cells_at(row: Row, indexes: Iterable[int]) -> Row:
@@ -137,33 +137,33 @@ def _names_of_field(field: Field) -> str:
     """Return the name of a field in words, its name in the manual if that differs, and its name in programs."""
     if is_reserved(field):
         return f"Reserved <small>{code_span(field.name)}</small>"
-    words = heading(field.name)
-    has_same_name_in_manual = field.printed_name.lower() in {"", words.lower()}
+    name_in_words = heading(field.name)
+    has_same_name_in_manual = field.printed_name.lower() in {"", name_in_words.lower()}
     printed_name = "" if has_same_name_in_manual else f"{escape(field.printed_name)} "
-    return f"{escape(words)} <small>{printed_name}{code_span(field.name)}</small>"
+    return f"{escape(name_in_words)} <small>{printed_name}{code_span(field.name)}</small>"
 
 
-def _row_of_match(placed_layout: PlacedLayout, match: MatchingValues, effect: str) -> Row:
+def _row_of_match(placed_layout: PlacedLayout, matching_values: MatchingValues, effect: str) -> Row:
     """Return the row for field values that decide together: places, values, no level, verdict, no remedy."""
-    places = []
-    for field_plan, _ in match.conditions:
-        placed_field = placed_layout.field(field_plan.field.name)
-        places.append(place_of_field(placed_field, placed_layout))
-    return ", ".join(places), _conditions_phrase(match), "", effect, ""
+    place_texts = []
+    for decoded_field, _ in matching_values.conditions:
+        placed_field = placed_layout.field(decoded_field.field.name)
+        place_texts.append(place_of_field(placed_field, placed_layout))
+    return ", ".join(place_texts), _conditions_phrase(matching_values), "", effect, ""
 
 
-def _conditions_phrase(match: MatchingValues) -> str:
+def _conditions_phrase(matching_values: MatchingValues) -> str:
     """Return the field values that decide together: ``error is 1 and mode is 5h (test)``."""
-    fields_and_values = [(field_plan.field, value) for field_plan, value in match.conditions]
+    fields_and_values = [(decoded_field.field, value) for decoded_field, value in matching_values.conditions]
     return MARKDOWN.phrase(conditions_text(fields_and_values))
 
 
 def place_of_field(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return the bits of a field, such as ``bit 7``, with their byte if the frame consists of bytes."""
-    high, low = placed_field.high, placed_field.low
+    highest_bit, lowest_bit = placed_field.high, placed_field.low
     if placed_layout.layout.in_bytes:
-        return frame_bytes(placed_layout.layout, placed_layout.bits, high, low)
-    return bits(high, low)
+        return frame_bytes(placed_layout.layout, placed_layout.bits, highest_bit, lowest_bit)
+    return bits(highest_bit, lowest_bit)
 
 
 def _while_inactive(cause: VerdictCause) -> str:
@@ -175,7 +175,7 @@ def _while_inactive(cause: VerdictCause) -> str:
 
 def _while_flags_are_inactive(cause: VerdictCause) -> str:
     """Return the flags that must be inactive for a cause to count: ``while `error` and `fault` are inactive``."""
-    flag_names = " and ".join(code_span(field_plan.field.name) for field_plan in cause.unless)
+    flag_names = " and ".join(code_span(decoded_flag.field.name) for decoded_flag in cause.unless)
     verb = "is" if len(cause.unless) == 1 else "are"
     return f"while {flag_names} {verb} inactive"
 
@@ -233,13 +233,13 @@ def _verdict_if(verdict: Verdict, causes: Sequence[VerdictCause]) -> str:
 
 def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     """Yield the conditions of a verdict. Flags with the same active level share one: ``error or fault is 1``."""
-    names_by_level: dict[str, list[str]] = {}
+    names_by_active_level: dict[str, list[str]] = {}
     for cause in causes:
         if not isinstance(cause.cause, MatchingValues):
             # The level at which the flag is active, such as "1".
-            level = deciding_value(cause.cause.field)
-            names_by_level.setdefault(level, []).append(_cause_text(cause))
-    yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
+            active_level = deciding_value(cause.cause.field)
+            names_by_active_level.setdefault(active_level, []).append(_cause_text(cause))
+    yield from (f"{join_as_any_of(names)} is {active_level}" for active_level, names in names_by_active_level.items())
     for cause in causes:
         if isinstance(cause.cause, MatchingValues):
             yield _conditions_phrase(cause.cause)
@@ -264,21 +264,21 @@ def position_frame(family_device: Device, interface: Interface) -> Layout | None
 
     Of several such frames, it is the one with the most flags, then the shortest one.
     """
-    position_frames: set[str] = set()
+    names_of_position_frames: set[str] = set()
     # Only for the layouts of the family is it known whether they contain the position.
     for family_layout in family_device.interface(interface.name).layouts:
         if family_device.sends_position(interface.name, family_layout):
-            position_frames.add(family_layout.name)
-    candidates = [layout for layout in interface.layouts if layout.name in position_frames]
+            names_of_position_frames.add(family_layout.name)
+    position_frames = [layout for layout in interface.layouts if layout.name in names_of_position_frames]
     parts_of_position = family_device.position_names(interface.name)
 
     def amount_of_information(layout: Layout) -> tuple[int, int, int]:
         field_names = {field.name for field in layout.fields}
-        number_of_parts = len(parts_of_position & field_names)
-        number_of_flags = sum(isinstance(meaning_of(field), ActiveFlag) for field in layout.fields)
-        return number_of_parts, number_of_flags, -layout.widest
+        part_count = len(parts_of_position & field_names)
+        flag_count = sum(isinstance(meaning_of(field), ActiveFlag) for field in layout.fields)
+        return part_count, flag_count, -layout.widest
 
-    return max(candidates, key=amount_of_information, default=None)
+    return max(position_frames, key=amount_of_information, default=None)
 
 
 def open_questions(device: Device, layout: Layout) -> Iterator[str]:
@@ -336,10 +336,10 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
         field = placed_field.field
         name_and_place = (code_span(field.name), place_of_field(placed_field, placed_layout))
         # The active level of a flag, or what differs from the manual: ``0`` or ``1`` for a single unused bit.
-        level = deciding_value(field)
-        is_unused_bit = bool(field.printed_name) and level in {"0", "1"}
+        deciding_value_text = deciding_value(field)
+        is_unused_bit = bool(field.printed_name) and deciding_value_text in {"0", "1"}
         if isinstance(meaning_of(field), ActiveFlag):
-            flags_by_label.setdefault(f"Active at {level}", []).append(name_and_place)
+            flags_by_label.setdefault(f"Active at {deciding_value_text}", []).append(name_and_place)
         elif is_unused_bit and not layout.in_bytes:
             flags_by_label.setdefault("Not used by this encoder", []).append(name_and_place)
     for label, names_and_places in flags_by_label.items():
@@ -396,9 +396,10 @@ def _covered_by_crc(placed_layout: PlacedLayout) -> str:
     """Return what the CRC of a frame covers, such as ``over bits 47:16, `read` to `position```."""
     if not placed_layout.covers_part:
         return "over everything before it"
-    low, width = placed_layout.crc_covers
-    covered_names = [code_span(field.name) for field in placed_layout.fields if low <= field.low < low + width]
-    return f"over bits {low + width - 1}:{low}, {covered_names[0]} to {covered_names[-1]}"
+    lowest_bit, bit_count = placed_layout.crc_covers
+    covered_bits = range(lowest_bit, lowest_bit + bit_count)
+    covered_names = [code_span(field.name) for field in placed_layout.fields if field.low in covered_bits]
+    return f"over bits {covered_bits[-1]}:{lowest_bit}, {covered_names[0]} to {covered_names[-1]}"
 
 
 def _in_superscript(exponent: re.Match[str]) -> str:

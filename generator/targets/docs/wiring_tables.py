@@ -63,19 +63,19 @@ def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
 
     Connectors with mostly the same contacts share a column.
     """
-    columns = _connectors_by_column(device.connectors, order_codes)
-    heads = _column_heads(columns)
+    connectors_by_column = _connectors_by_column(device.connectors, order_codes)
+    column_heads = _column_heads(connectors_by_column)
     contacts = [contact for connector in device.connectors for contact in connector.contacts]
     # Each signal only once, in the order of its first contact.
     signals = dict.fromkeys(_signal_cell(contact, order_codes) for contact in contacts)
-    about_columns = []
-    for head, column in zip(heads, columns, strict=True):
-        titles = ", or ".join(map(_anchored_title, column))
-        about_columns.append(f"{head}: {titles}")
+    texts_about_columns = []
+    for head, connectors in zip(column_heads, connectors_by_column, strict=True):
+        titles = ", or ".join(map(_anchored_title, connectors))
+        texts_about_columns.append(f"{head}: {titles}")
     return Wiring(
-        head=(*heads, "Signal"),
-        rows=tuple(_build_row(columns, signal, order_codes) for signal in signals),
-        about=tuple(about_columns),
+        head=(*column_heads, "Signal"),
+        rows=tuple(_build_row(connectors_by_column, signal, order_codes) for signal in signals),
+        about=tuple(texts_about_columns),
         notes=tuple(_common_sentences(device.connectors)),
         errata=tuple(f"connectors.{connector.name}" for connector in device.connectors),
     )
@@ -83,10 +83,10 @@ def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
 
 def _column_heads(columns: Sequence[Sequence[Connector]]) -> list[str]:
     """Return the head of each column: ``Pin`` or ``Wire`` or, if several columns would have it, a connector's name."""
-    words = [_word_for_contact(column[0]) for column in columns]
+    words_for_contacts = [_word_for_contact(column[0]) for column in columns]
     heads = _short_names([column[0].title for column in columns])
-    for index, word in enumerate(words):
-        if words.count(word) == 1:
+    for index, word in enumerate(words_for_contacts):
+        if words_for_contacts.count(word) == 1:
             heads[index] = word
     return heads
 
@@ -132,17 +132,21 @@ def _connectors_by_column(connectors: Sequence[Connector], order_codes: Sequence
     return columns
 
 
-def _have_similar_contacts(connector: Connector, other: Connector, order_codes: Sequence[str]) -> bool:
+def _have_similar_contacts(connector: Connector, other_connector: Connector, order_codes: Sequence[str]) -> bool:
     """Return whether two connectors are of one kind and have mostly the same contacts.
 
     They do if they agree on more than half of the signals of the connector that has fewer signals.
     """
-    contacts = _contacts_by_signal(connector, order_codes)
-    other_contacts = _contacts_by_signal(other, order_codes)
-    equal_signals = [signal for signal in other_contacts if contacts.get(signal) == other_contacts[signal]]
-    fewest_signals = min(len(contacts), len(other_contacts))
+    contacts_by_signal = _contacts_by_signal(connector, order_codes)
+    other_contacts_by_signal = _contacts_by_signal(other_connector, order_codes)
+    equal_signals = [
+        signal
+        for signal in other_contacts_by_signal
+        if contacts_by_signal.get(signal) == other_contacts_by_signal[signal]
+    ]
+    fewest_signals = min(len(contacts_by_signal), len(other_contacts_by_signal))
     are_mostly_equal = 2 * len(equal_signals) > fewest_signals
-    return connector.kind == other.kind and are_mostly_equal
+    return connector.kind == other_connector.kind and are_mostly_equal
 
 
 def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dict[str, list[str]]:
@@ -160,26 +164,26 @@ def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
     """
     if not contact.only:
         return escape(contact.signal)
-    patterns = []
+    matching_patterns = []
     # ``only`` is a list of patterns of order codes, such as "X-*-24, X-*-25".
     for pattern in contact.only.split(", "):
         if any(applies_to_code(pattern, order_code) for order_code in order_codes):
-            patterns.append(pattern)
-    return f"{escape(contact.signal)} <small>(only {escape(', '.join(patterns))})</small>"
+            matching_patterns.append(pattern)
+    return f"{escape(contact.signal)} <small>(only {escape(', '.join(matching_patterns))})</small>"
 
 
-def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
+def _contacts_cell(connectors: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
     """Return the contacts of a signal for the connectors of a column.
 
     If they differ between the connectors, each list is followed by the name of its connector: ``3 (M12), 7 (M23)``.
     """
     contact_lists = []
-    for connector in column:
+    for connector in connectors:
         contacts = _contacts_by_signal(connector, order_codes).get(signal, [])
         contact_lists.append(_contact_list(contacts))
     if len(set(contact_lists)) == 1:
         return escape(contact_lists[0])
-    connector_names = _short_names([connector.title for connector in column])
+    connector_names = _short_names([connector.title for connector in connectors])
     lists_with_names = []
     for contact_list, connector_name in zip(contact_lists, connector_names, strict=True):
         if contact_list:
@@ -197,8 +201,8 @@ def _short_names(titles: Sequence[str]) -> list[str]:
     for phrases in zip(*titles_in_phrases, strict=False):
         phrases_in_words = [phrase.split() for phrase in phrases]
         longest = max(map(len, phrases_in_words))
-        for number_of_words in range(1, longest + 1):
-            short_names = [" ".join(phrase_words[:number_of_words]) for phrase_words in phrases_in_words]
+        for word_count in range(1, longest + 1):
+            short_names = [" ".join(phrase_words[:word_count]) for phrase_words in phrases_in_words]
             are_unique = len(set(short_names)) == len(short_names)
             has_number = any(name.isdecimal() for name in short_names)
             if are_unique and not has_number:
@@ -235,9 +239,9 @@ def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
     if len(codes_by_supply) == 1:
         return list(codes_by_supply)
     lines = []
-    for supply, codes in codes_by_supply.items():
+    for supply_text, codes in codes_by_supply.items():
         listed_codes = ", ".join(map(code_span, codes))
-        lines.append(f"{supply} with {listed_codes}")
+        lines.append(f"{supply_text} with {listed_codes}")
     return lines
 
 
@@ -246,17 +250,17 @@ def _supply_text(supply: Supply) -> str:
     return f"{volts(supply.min_mv)} to {volts(supply.max_mv)} ({citation(supply.source)})"
 
 
-def unstated_facts(family_device: Device, interface: Interface, subjects: Mapping[str, Topic]) -> Iterator[str]:
-    """Yield one line about facts that the spec has no place for, or nothing if there are no ``subjects``.
+def unstated_facts(family_device: Device, interface: Interface, topic_by_label: Mapping[str, Topic]) -> Iterator[str]:
+    """Yield one line about facts that the spec has no place for, or nothing without labels.
 
-    ``subjects`` are the words to look for, by the label of the fact. If no text of the family mentions a subject, the
-    line says that the manual does not state it. Otherwise, it links to the texts that may.
+    ``topic_by_label`` has the topic to look for, by the label of the fact. If no text of the family mentions a topic,
+    the line says that the manual does not state it. Otherwise, it links to the texts that may.
     """
     sentences = []
     unmentioned_labels = []
     mentioned_labels = []
-    for label, subject in subjects.items():
-        if mentions(family_device, interface, subject):
+    for label, topic in topic_by_label.items():
+        if mentions(family_device, interface, topic):
             mentioned_labels.append(label)
         else:
             unmentioned_labels.append(label)
@@ -330,38 +334,41 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     # The order codes of a page share their clock.
     clock = interface.clocks[0]
     facts = [f"Clock: {clock_words(clock)} ({citation(clock.source)})."]
-    frame_lengths = _frame_lengths(device, layout) if layout is not None else []
+    bit_counts = _frame_lengths(device, layout) if layout is not None else []
     start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
-    clocked_lengths = [bits + start_bits for bits in frame_lengths]
-    if frame_lengths:
-        example_hz = _example_clock(clock)
-        lengths_text = _joined_by_or(map(str, frame_lengths))
-        durations = _duration_range(clocked_lengths, example_hz)
-        with_start_bits = ", including the start bit and the CDS bit" if start_bits else ""
-        facts.append(f"{lengths_text} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
+    clock_counts = [bit_count + start_bits for bit_count in bit_counts]
+    if bit_counts:
+        facts.append(_duration_sentence(bit_counts, start_bits, _example_clock(clock)))
     facts += _pause_sentences(family_device, interface)
-    cable_clocks = cable_table(device, interface)
-    cable_rows = list(_cable_rows(clock, cable_clocks, clocked_lengths))
+    table_of_clocks = cable_table(device, interface)
+    cable_rows = list(_cable_rows(clock, table_of_clocks, clock_counts))
     if cable_rows:
         clock_limit = _limit_of_used_clocks(clock)
-        facts.append(f"The clock for each cable length is from {escape(cable_clocks.origin)}{clock_limit}.")
+        facts.append(f"The clock for each cable length is from {escape(table_of_clocks.origin)}{clock_limit}.")
     # Manuals give lengths, and mostly also clocks, that a cable must stay below.
-    are_below = any(cable.is_below for cable in cable_clocks.rows)
-    cable_head = "Cable below" if any(cable.is_shorter for cable in cable_clocks.rows) else "Cable up to"
-    clock_heads = ("Clock below", "Frame above") if are_below else ("Clock up to", "Frame")
-    head = (cable_head, *clock_heads)
-    return SpeedSection(title="Clock and cable", facts=tuple(facts), head=head, rows=tuple(cable_rows))
+    has_exclusive_clocks = any(cable_row.is_below for cable_row in table_of_clocks.rows)
+    cable_head = "Cable below" if any(cable_row.is_shorter for cable_row in table_of_clocks.rows) else "Cable up to"
+    clock_heads = ("Clock below", "Frame above") if has_exclusive_clocks else ("Clock up to", "Frame")
+    return SpeedSection("Clock and cable", facts=tuple(facts), head=(cable_head, *clock_heads), rows=tuple(cable_rows))
 
 
-def _cable_rows(clock: Clock, cable_clocks: CableTable, clocked_lengths: Sequence[int]) -> Iterator[Row]:
-    """Yield rows of cable length, clock, frame duration. ``clocked_lengths`` are the lengths of a frame in clocks."""
+def _duration_sentence(bit_counts: Sequence[int], start_bits: int, clock_hz: int) -> str:
+    """Return the durations of frames with these lengths: ``45 bits at 1 MHz: 47 µs, including the start bit …``."""
+    lengths_text = _joined_by_or(map(str, bit_counts))
+    durations_text = _duration_range([bit_count + start_bits for bit_count in bit_counts], clock_hz)
+    with_start_bits = ", including the start bit and the CDS bit" if start_bits else ""
+    return f"{lengths_text} bits at {hertz(clock_hz)}: {durations_text}{with_start_bits}."
+
+
+def _cable_rows(clock: Clock, cable_clocks: CableTable, clock_counts: Sequence[int]) -> Iterator[Row]:
+    """Yield rows of cable length, clock, frame duration. ``clock_counts`` are the lengths of a frame in clocks."""
     if clock.fastest_hz is None:
         return
     lowest_hz = clock.min_hz or 0
     for cable in cable_clocks.rows:
         if cable.hz >= lowest_hz:
             clock_hz = min(cable.hz, clock.fastest_hz)
-            yield f"{cable.metres} m", hertz(clock_hz), _duration_range(clocked_lengths, clock_hz)
+            yield f"{cable.metres} m", hertz(clock_hz), _duration_range(clock_counts, clock_hz)
 
 
 def _example_clock(clock: Clock) -> int:
@@ -404,9 +411,9 @@ def _baud_section(family_device: Device, device: Device, interface: Rs485) -> Sp
     bits_per_byte = start_bit + port.data_bits + parity_bits + port.stop_bits
     reply_sizes = {layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"}
     durations = []
-    for number_of_bytes in (1, *sorted(reply_sizes)):
-        duration = _duration_text(number_of_bytes * bits_per_byte, port.baud)
-        durations.append(f"{count_with_unit(number_of_bytes, 'byte')} {duration}")
+    for byte_count in (1, *sorted(reply_sizes)):
+        duration = _duration_text(byte_count * bits_per_byte, port.baud)
+        durations.append(f"{count_with_unit(byte_count, 'byte')} {duration}")
     # The first setting of a serial interface is its baud rate.
     baud_rate = next(iter(describe_settings(device, interface)))
     further_subjects = {"reply time": Topic.REPLY_TIME, "cable length": Topic.CABLE}
@@ -420,10 +427,10 @@ def _baud_section(family_device: Device, device: Device, interface: Rs485) -> Sp
 
 def _frame_lengths(device: Device, layout: Layout) -> list[int]:
     """Return the possible lengths of a frame in bits, which answers to open questions can change."""
-    lengths: set[int] = set()
+    bit_counts: set[int] = set()
     for _, parameters in answer_combinations(device.alternatives_of(layout)):
-        lengths.add(layout.sent_bits.value(parameters))
-    return sorted(lengths)
+        bit_counts.add(layout.sent_bits.value(parameters))
+    return sorted(bit_counts)
 
 
 def _joined_by_or(alternatives: Iterable[str]) -> str:
@@ -431,13 +438,13 @@ def _joined_by_or(alternatives: Iterable[str]) -> str:
     return " or ".join(alternatives)
 
 
-def _duration_range(lengths: Iterable[int], hz: int) -> str:
+def _duration_range(bit_counts: Iterable[int], clock_hz: int) -> str:
     """Return the durations of frames with these lengths in bits at a clock in Hz, such as ``26 µs or 32 µs``."""
-    return _joined_by_or(_duration_text(bits, hz) for bits in lengths)
+    return _joined_by_or(_duration_text(bit_count, clock_hz) for bit_count in bit_counts)
 
 
-def _duration_text(bits: int, hz: int) -> str:
+def _duration_text(bit_count: int, clock_hz: int) -> str:
     """Return the duration of this many bits at a clock in Hz, rounded to 0.1 µs."""
-    exact_ns = bits * 1_000_000_000 / hz
+    exact_ns = bit_count * 1_000_000_000 / clock_hz
     needs_no_rounding = exact_ns % 100 == 0
     return nanoseconds(round(exact_ns)) if needs_no_rounding else f"{exact_ns / 1000:.1f} µs"

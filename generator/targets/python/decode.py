@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 from ...model import Digits, Field
 from ...model.expressions import Expression
@@ -23,7 +24,7 @@ from .bits import BitReader
 from .first_byte import FirstByte
 from .literals import (
     Atom,
-    ParameterExpressions,
+    ExpressionTranslator,
     PythonExpression,
     call,
     join_operands,
@@ -51,65 +52,65 @@ _MAX_BYTE_VARIABLES = 16
 class Decoder:
     """The expressions in the decoder of a frame or register.
 
-    ``enum`` returns the name of the IntEnum of a field. A frame gets one decoder for each encoder, which computes the
-    values that depend on the order code only once. For this, its ``scope`` is a NamedValues.
+    ``enum_name_of`` returns the name of the IntEnum of a field. A frame gets one decoder for each encoder, which
+    computes the values that depend on the order code only once. For this, its ``translator`` is a NamedValues.
     """
 
     def __init__(
         self,
-        scope: ParameterExpressions,
+        translator: ExpressionTranslator,
         layout_plan: LayoutPlan,
         class_names: ClassNames,
-        enum: Callable[[Field], str],
+        enum_name_of: Callable[[Field], str],
     ) -> None:
-        self.scope = scope
-        self.plan = layout_plan
-        self.names = class_names
-        self.enum = enum
-        # A register has another scope.
-        is_short_frame = isinstance(scope, NamedValues) and 1 < layout_plan.length <= _MAX_BYTE_VARIABLES
+        self.translator = translator
+        self.layout_plan = layout_plan
+        self.class_names = class_names
+        self.enum_name_of = enum_name_of
+        # Only the translator for a frame names values. A register has a plain one.
+        is_short_frame = isinstance(translator, NamedValues) and 1 < layout_plan.length <= _MAX_BYTE_VARIABLES
         #: True if each byte of the frame has a variable, ``b0`` and so on.
         self.has_variable_per_byte = is_short_frame and layout_plan.in_bytes and not layout_plan.by_word
-        self.byte = "b{}" if self.has_variable_per_byte else "data[{}]"
-        self.bit_reader = BitReader(scope, layout_plan, self.byte)
+        self.byte_pattern = "b{}" if self.has_variable_per_byte else "data[{}]"
+        self.bit_reader = BitReader(translator, layout_plan, self.byte_pattern)
         #: The names of the fields whose bits are in a variable at this point of the function.
-        self.assigned: set[str] = set()
-        self._first_byte = FirstByte(layout_plan, enum)
-        if isinstance(scope, NamedValues):
-            prefer_names_of_fields(scope, layout_plan, class_names)
+        self.assigned_names: set[str] = set()
+        self._first_byte = FirstByte(layout_plan, enum_name_of)
+        if isinstance(translator, NamedValues):
+            prefer_names_of_fields(translator, layout_plan, class_names)
 
-    def number(self, expression: Expression) -> PythonExpression:
+    def to_python(self, expression: Expression) -> PythonExpression:
         """Return an expression of the spec in Python."""
-        return self.scope.expression_of(expression)
+        return self.translator.to_python(expression)
 
     @property
     def values_by_name(self) -> Mapping[str, str]:
         """The values that depend on the order code, by name. The map is complete once the decoder has been printed."""
-        return self.scope.values_by_name if isinstance(self.scope, NamedValues) else {}
+        return self.translator.values_by_name if isinstance(self.translator, NamedValues) else {}
 
     @property
     def comments(self) -> Mapping[str, str]:
         """Comments on the named values, by name."""
-        return self.scope.comments if isinstance(self.scope, NamedValues) else {}
+        return self.translator.comments if isinstance(self.translator, NamedValues) else {}
 
     # -- variables
 
-    def local(self, field: Field | Digits) -> str:
+    def variable_for(self, field: Field | Digits) -> str:
         """Return the variable for the value of a field."""
-        return self.names.local(field.name)
+        return self.class_names.variable_name(field.name)
 
     def forget_variables(self) -> str:
         """Forget all variables, at the beginning of a function. Prints nothing in the template."""
-        self.assigned.clear()
+        self.assigned_names.clear()
         return ""
 
     def assigned_fields(self) -> frozenset[str]:
         """Return the fields that have a variable, for ``forget_assigned_since``."""
-        return frozenset(self.assigned)
+        return frozenset(self.assigned_names)
 
     def forget_assigned_since(self, before: frozenset[str]) -> str:
         """Forget the variables that have been assigned since ``assigned_fields``. Prints nothing in the template."""
-        self.assigned = set(before)
+        self.assigned_names = set(before)
         return ""
 
     def assign(self, field: Field, expression: PythonExpression) -> str:
@@ -117,10 +118,10 @@ class Decoder:
 
         The result is empty if an earlier statement has assigned them.
         """
-        if field.name in self.assigned:
+        if field.name in self.assigned_names:
             return ""
-        self.assigned.add(field.name)
-        return f"{self.local(field)} = {expression}"
+        self.assigned_names.add(field.name)
+        return f"{self.variable_for(field)} = {expression}"
 
     @staticmethod
     def numbered_names(stem: str, count: int) -> str:
@@ -138,39 +139,41 @@ class Decoder:
         """
         if not frame_crc.crc.is_xor:
             return ""
-        bytes_before_crc = self.plan.length - frame_crc.crc.width // 8
+        bytes_before_crc = self.layout_plan.length - frame_crc.crc.width // 8
         if bytes_before_crc > _MAX_BYTE_VARIABLES:
             return ""
-        operands = [self.byte.format(index) for index in range(bytes_before_crc)]
+        operands = [self.byte_pattern.format(index) for index in range(bytes_before_crc)]
         if frame_crc.inverted_mask:
             operands.append(f"0x{frame_crc.inverted_mask:02X}")
         return " ^ ".join(operands)
 
     @property
-    def crc_covers(self) -> PythonExpression | None:
+    def bits_before_crc(self) -> PythonExpression | None:
         """The number of bits before the CRC of a word, for the tables that compute the CRC.
 
         It is None without such tables: for a frame without a CRC, for a frame of bytes, if order codes differ in the
         CRC, or if the user's answer to an open question decides the number. With the start value 0, zeros before a
         word do not change its CRC, so that the tables for the longest word serve all.
         """
-        frame_crc = self.plan.crc_of_all_order_codes
-        if frame_crc is None or self.plan.in_bytes:
+        frame_crc = self.layout_plan.crc_of_all_order_codes
+        if frame_crc is None or self.layout_plan.in_bytes:
             return None
         if not frame_crc.crc.init and not frame_crc.covers_part_only:
-            return number(self.plan.layout.widest - frame_crc.crc.width)
-        answered = self.scope.answered_parameters if isinstance(self.scope, NamedValues) else frozenset()
-        if not answered.isdisjoint(frame_crc.covered.parameters):
+            return number(self.layout_plan.layout.widest - frame_crc.crc.width)
+        answered_parameters = (
+            self.translator.answered_parameters if isinstance(self.translator, NamedValues) else frozenset()
+        )
+        if not answered_parameters.isdisjoint(frame_crc.covered.parameters):
             return None
-        return ParameterExpressions(self.scope.names).expression_of(frame_crc.covered)
+        return ExpressionTranslator(self.translator.code_by_parameter).to_python(frame_crc.covered)
 
     @property
-    def tables(self) -> int:
+    def crc_table_count(self) -> int:
         """The number of tables for the CRC of a word, one for every ``TABLE_BITS`` bits, or 0 if it needs none."""
-        if self.crc_covers is None:
+        if self.bits_before_crc is None:
             return 0
         # Rounded up.
-        return (self.plan.layout.widest + TABLE_BITS - 1) // TABLE_BITS
+        return (self.layout_plan.layout.widest + TABLE_BITS - 1) // TABLE_BITS
 
     @property
     def table_lookups(self) -> str:
@@ -180,27 +183,27 @@ class Decoder:
         because operations on short numbers are faster.
         """
         lookups = ["table_0[low_bits]"]
-        top_table = self.tables - 1
-        for table in range(1, self.tables):
+        last_table_number = self.crc_table_count - 1
+        for table_number in range(1, self.crc_table_count):
             # The lowest bits of the word, which table_0 covers, are not in ``high_bits``.
-            shift = TABLE_BITS * (table - 1)
-            index = f"high_bits >> {shift}" if shift else "high_bits"
+            shift = TABLE_BITS * (table_number - 1)
+            index_code = f"high_bits >> {shift}" if shift else "high_bits"
             # No bits are above the bits of the top table, so it needs no mask.
-            if table < top_table:
-                shifted_bits = f"({index})" if shift else index
-                index = f"{shifted_bits} & {mask((1 << TABLE_BITS) - 1)}"
-            lookups.append(f"table_{table}[{index}]")
+            if table_number < last_table_number:
+                shifted_bits = f"({index_code})" if shift else index_code
+                index_code = f"{shifted_bits} & {mask((1 << TABLE_BITS) - 1)}"
+            lookups.append(f"table_{table_number}[{index_code}]")
         return " ^ ".join(lookups)
 
     # -- checks
 
     def selects(self, field: Field) -> bool:
         """Return whether the field is the selector, which distinguishes this frame from other frames."""
-        return field.name == self.plan.layout.selector
+        return field.name == self.layout_plan.layout.selector
 
     def is_padded(self, field: Field) -> bool:
         """Return whether ``decode`` checks that the bits above the field, up to a whole byte, are 0."""
-        return any(isinstance(check, ZerosAbove) and check.field is field for check in self.plan.checks)
+        return any(isinstance(check, ZerosAbove) and check.field is field for check in self.layout_plan.checks)
 
     def covered_field(self, check: ParityIs) -> Field | None:
         """Return the field whose variable contains all bits that a parity bit covers, or None if there is none.
@@ -208,21 +211,21 @@ class Decoder:
         The parity bit must cover all bits of one field and no other. The decoder must need that field anyway, without
         padding, and as the encoder sent it.
         """
-        if len(check.covered_fields) != 1 or check.mask or self.plan.parity_covers_converted:
+        if len(check.covered_fields) != 1 or check.mask or self.layout_plan.parity_covers_converted:
             return None
         (covered,) = check.covered_fields
         if self.is_padded(covered):
             return None
         # Fields with data, and those that are checked.
-        fields_with_data = [decoded_field.field for decoded_field in self.plan.decoded_fields]
-        checked_fields = [other_check.field for other_check in self.plan.checks]
+        fields_with_data = [decoded_field.field for decoded_field in self.layout_plan.decoded_fields]
+        checked_fields = [other_check.field for other_check in self.layout_plan.checks]
         is_read = any(field.name == covered.name for field in (*fields_with_data, *checked_fields))
         return covered if is_read else None
 
     @property
     def padded_fields(self) -> list[tuple[Field, PythonExpression]]:
         """The fields below bits that are always 0, each with an expression for its bits including these."""
-        checks = (check for check in self.plan.checks if isinstance(check, ZerosAbove))
+        checks = (check for check in self.layout_plan.checks if isinstance(check, ZerosAbove))
         return [(check.field, self.bit_reader.number_from_slices(check.field.bit_slices)) for check in checks]
 
     @property
@@ -257,33 +260,37 @@ class Decoder:
         """
         if isinstance(check, ZerosAbove):
             # The variable has the bits of the field and all bits above it.
-            return f"{self.local(check.field)} >> {self.number(check.bits.width).operand}"
-        bits = self.bit_reader.bits(check.bits)
+            return f"{self.variable_for(check.field)} >> {self.to_python(check.bits.width).operand}"
+        bits = self.bit_reader.read_bits(check.bits)
         if isinstance(check, AlwaysIs) and check.value:
             return f"{bits.operand} != {mask(check.value)}"
         return str(bits)
 
-    def joined(self, whole: JoinedNumber) -> PythonExpression:
+    def join_fields(self, joined_number: JoinedNumber) -> PythonExpression:
         """Return the number that several fields form, from the word at once or from the variables of the fields."""
-        if whole.bits is not None:
-            return self.bit_reader.bits(whole.bits)
+        if joined_number.bits is not None:
+            return self.bit_reader.read_bits(joined_number.bits)
         shifted_fields = []
-        for field, low in whole.fields_from_low:
-            shifted_fields.append(shift_left(Atom(self.local(field)), self.number(low)))
+        for field, lowest_bit in joined_number.fields_from_low:
+            shifted_fields.append(shift_left(Atom(self.variable_for(field)), self.to_python(lowest_bit)))
         # The highest field comes first.
         return join_operands("|", reversed(shifted_fields))
 
     # -- values
 
-    def bits(self, decoded_field: FieldToDecode) -> PythonExpression:
+    def bits_after_checks(self, decoded_field: FieldToDecode) -> PythonExpression:
         """Return the bits of a field after all checks: its variable, if it has one, or else the expression."""
-        has_variable = decoded_field.field.name in self.assigned
-        return Atom(self.local(decoded_field.field)) if has_variable else self.bit_reader.bits(decoded_field.bits)
+        has_variable = decoded_field.field.name in self.assigned_names
+        return (
+            Atom(self.variable_for(decoded_field.field))
+            if has_variable
+            else self.bit_reader.read_bits(decoded_field.bits)
+        )
 
-    def values(self, decoded_field: FieldToDecode) -> list[PythonExpression]:
+    def attribute_expressions(self, decoded_field: FieldToDecode) -> list[PythonExpression]:
         """Return the values of the attributes of a field: one, or for decimal digits one for each digit run."""
         field = decoded_field.field
-        bits = self.bits(decoded_field)
+        bits = self.bits_after_checks(decoded_field)
         is_checked_with_first_byte = self.selects(field) and bool(self.failing_conditions)
         if is_checked_with_first_byte:
             # This variable maps the first byte to the selector.
@@ -292,16 +299,16 @@ class Decoder:
             case UnsignedNumber():
                 return [bits]
             case TwosComplement():
-                return [call("signed", bits, self.number(field.width))]
+                return [call("signed", bits, self.to_python(field.width))]
             case ZeroMeans(number_for_zero):
                 return [replace_zero(bits, number_for_zero)]
             case ActiveFlag(low):
                 return [self._is_active(decoded_field, low_is_active=low)]
             case NamedChoice() if self.selects(field):
-                return [call(self.enum(field), bits)]
+                return [call(self.enum_name_of(field), bits)]
             case NamedChoice():
                 # The variable contains the member of the enumeration.
-                return [Atom(self.local(field))]
+                return [Atom(self.variable_for(field))]
             case DecimalDigits(runs):
                 return [run_value for _, run_value in digit_values(bits, runs)]
             case Latin1Text():
@@ -311,22 +318,22 @@ class Decoder:
 
     def _decode_text(self, decoded_field: FieldToDecode) -> PythonExpression:
         """Return the characters of a field, such as ``data[2:6].decode("latin-1")``."""
-        adjacent_bytes = self.bit_reader.characters(decoded_field.bits)
+        adjacent_bytes = self.bit_reader.bytes_of_text(decoded_field.bits)
         if adjacent_bytes:
             return Atom(f'{adjacent_bytes}.decode("latin-1")')
-        return text_of_number(decoded_field.field, self.bits(decoded_field))
+        return text_of_number(decoded_field.field, self.bits_after_checks(decoded_field))
 
     def _is_active(self, decoded_field: FieldToDecode, *, low_is_active: bool) -> PythonExpression:
         """Return the condition that a flag is active. If the order code does not have the flag, it is inactive.
 
         The width of a flag that only some order codes have is 1 or 0. With a width of 0, its bits are 0.
         """
-        width = decoded_field.field.width
-        if not width.is_constant:
+        bit_count = decoded_field.field.width
+        if not bit_count.is_constant:
             # The inactive bits of an active-low flag equal its width: 1, or 0 without the flag.
-            inactive = self.number(width) if low_is_active else number(0)
-            return Atom(f"{self.bits(decoded_field).operand} != {inactive.operand}")
-        flag_bit = self.bit_reader.bit(decoded_field.bits, self._shorter_number(decoded_field))
+            inactive_bits = self.to_python(bit_count) if low_is_active else number(0)
+            return Atom(f"{self.bits_after_checks(decoded_field).operand} != {inactive_bits.operand}")
+        flag_bit = self.bit_reader.read_bit(decoded_field.bits, self._shorter_number(decoded_field))
         return is_flag_active(flag_bit, low_is_active=low_is_active)
 
     def _shorter_number(self, decoded_field: FieldToDecode) -> str:
@@ -336,20 +343,21 @@ class Decoder:
         """
         low_bit = decoded_field.bits.low
         is_in_low_table = low_bit.is_constant and low_bit.constant < TABLE_BITS
-        return "low_bits" if self.tables and not self.plan.is_converted and is_in_low_table else ""
+        return "low_bits" if self.crc_table_count and not self.layout_plan.is_converted and is_in_low_table else ""
 
     def decoded_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
         """Return the values of all attributes in order: encoder, answers to open questions, fields, unused bits."""
-        decoded = DecodedValues(values=[(name, name, "") for name, _ in encoder_and_answers])
-        for decoded_field in self.plan.decoded_fields:
-            self._add_values(decoded_field, decoded)
-        if self.plan.reserved:
+        decoded_values = DecodedValues(values=[DecodedValue(name, name) for name, _ in encoder_and_answers])
+        for decoded_field in self.layout_plan.decoded_fields:
+            self._add_values(decoded_field, decoded_values)
+        if self.layout_plan.reserved:
             differing_bits = str(self.bit_reader.differing_unused_bits())
-            decoded.values.append(("unused", differing_bits, "1 where a bit differs from the manual"))
-        elif self.plan.keeps_undefined_bits:
+            comment = "1 where a bit differs from the manual"
+            decoded_values.values.append(DecodedValue("unused", differing_bits, comment))
+        elif self.layout_plan.keeps_undefined_bits:
             other_bits = str(self.bit_reader.bits_without_field())
-            decoded.values.append(("unused", other_bits, "all other bits"))
-        return decoded
+            decoded_values.values.append(DecodedValue("unused", other_bits, "all other bits"))
+        return decoded_values
 
     def _add_values(self, decoded_field: FieldToDecode, decoded: DecodedValues) -> None:
         """Add the values of a field to ``decoded``.
@@ -357,49 +365,61 @@ class Decoder:
         If several values are computed from the field, a statement first assigns its bits to a variable.
         """
         field = decoded_field.field
-        if len(field.runs) > 1 and field.name not in self.assigned:
-            decoded.statements.append(self.assign(field, self.bit_reader.bits(decoded_field.bits)))
-        attributes: Sequence[Field | Digits] = field.runs or (field,)
-        for attribute, expression in zip(attributes, self.values(decoded_field), strict=True):
-            variable = self.local(attribute)
+        # Runs are groups of decimal digits, such as year and week, each with an attribute of its own.
+        has_several_runs = len(field.runs) > 1
+        if has_several_runs and field.name not in self.assigned_names:
+            decoded.statements.append(self.assign(field, self.bit_reader.read_bits(decoded_field.bits)))
+        fields_or_digits: Sequence[Field | Digits] = field.runs or (field,)
+        expressions = self.attribute_expressions(decoded_field)
+        for field_or_digits, expression in zip(fields_or_digits, expressions, strict=True):
+            variable_name = self.variable_for(field_or_digits)
+            holds_number = variable_name == self.variable_for(field) and field.name in self.assigned_names
             # This variable must keep its number: for the other runs, or since it would also get a text.
-            holds_number = variable == self.local(field) and field.name in self.assigned
-            if holds_number and (len(field.runs) > 1 or isinstance(meaning_of(field), Latin1Text)):
-                decoded.values.append(("", str(expression), ""))
+            if holds_number and (has_several_runs or isinstance(meaning_of(field), Latin1Text)):
+                decoded.values.append(DecodedValue("", str(expression)))
             else:
-                decoded.values.append((variable, str(expression), self._place_comment(decoded_field)))
+                decoded.values.append(DecodedValue(variable_name, str(expression), self._place_comment(decoded_field)))
 
     def _place_comment(self, decoded_field: FieldToDecode) -> str:
         """Return the comment on a value: the place of its bits, if they are read there, and the meaning of the bits.
 
         An example is ``bit 6, active low``.
         """
-        notes = []
-        if decoded_field.field.name not in self.assigned:
-            notes.append(self.bit_reader.place(decoded_field.bits) or self.constant_in(decoded_field.bits.low))
+        comments = []
+        if decoded_field.field.name not in self.assigned_names:
+            comments.append(
+                self.bit_reader.place_comment(decoded_field.bits) or self.constant_in(decoded_field.bits.low)
+            )
         match meaning_of(decoded_field.field):
             case ActiveFlag(low=True):
-                notes.append("active low")
+                comments.append("active low")
             case ZeroMeans(number_for_zero):
-                notes.append(f"0 means {number_for_zero:,}")
-        return ", ".join(filter(None, notes))
+                comments.append(f"0 means {number_for_zero:,}")
+        return ", ".join(filter(None, comments))
 
     def constant_in(self, expression: Expression) -> str:
         """Return a comment on the constant in a length or place: ``8 = crc (6) + warning (1) + error (1)``.
 
         Empty without such a constant, and if a variable with its own comment holds the length or place.
         """
-        has_variable = self.number(expression).operand in self.values_by_name
-        return "" if has_variable or expression.is_constant else comment_on_constant(self.plan, expression)
+        has_variable = self.to_python(expression).operand in self.values_by_name
+        return "" if has_variable or expression.is_constant else comment_on_constant(self.layout_plan, expression)
+
+
+class DecodedValue(NamedTuple):
+    """The code for the value of an attribute, such as ``("position", "word >> 8", "bits 17:8")``.
+
+    The name of the variable is empty if the value cannot have one. The comment can also be empty.
+    """
+
+    variable_name: str
+    code: str
+    comment: str = ""
 
 
 class DecodedValues:
-    """The code for the values of all attributes of a frame or register.
+    """The code for the values of all attributes of a frame or register. ``statements`` are printed before them."""
 
-    Each value has a variable, its code, and a comment or an empty text: ``("position", "word >> 8", "bits 17:8")``. The
-    variable is empty if the value cannot have one. ``statements`` are printed before the values.
-    """
-
-    def __init__(self, values: list[tuple[str, str, str]]) -> None:
+    def __init__(self, values: list[DecodedValue]) -> None:
         self.values = values
         self.statements: list[str] = []

@@ -27,8 +27,16 @@ from ...say import commands_and_alarms, count_with_unit, names_and_evidence, tex
 from ...say import layout as say_layout
 from ...say import order_code as say_order_code
 from ...say import register as say_register
-from ...say.errata import describe_erratum, errata
-from ...say.names_and_evidence import describe_grade, full_title, heading, origin, other_editions, removals, title_of
+from ...say.errata import describe_erratum, errata_affecting
+from ...say.names_and_evidence import (
+    describe_grade,
+    describe_removals,
+    differences_from_manual,
+    full_title,
+    heading,
+    other_editions,
+    title_of,
+)
 from ...say.text import DOCSTRING_STYLE, Statement, as_sentence, spec_text, statement
 from .line_breaks import WIDTH
 from .names import is_one_choice
@@ -53,45 +61,45 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     A block is a paragraph, lines that are not wrapped, or a title with entries. An entry is a name with its text. The
     name is empty for plain text, as below ``Returns``.
     """
-    pad = " " * indent
+    indentation = " " * indent
     # Without blocks, the closing quotes are on the line of the summary.
     summary_width = WIDTH if any(blocks) else WIDTH - len('"""')
-    docstring_lines = [wrap_text(_in_docstring(summary), summary_width, prefix=pad, first=f'{pad}"""')]
+    docstring_lines = [wrap_text(_in_docstring(summary), summary_width, prefix=indentation, first=f'{indentation}"""')]
     for block in blocks:
-        block_lines = _block_lines(block, pad)
+        block_lines = _block_lines(block, indentation)
         if block_lines:
             docstring_lines += ["", *block_lines]
     unfinished_docstring = "\n".join(docstring_lines)
     if "\n" in unfinished_docstring:
-        return f'{unfinished_docstring}\n{pad}"""'
+        return f'{unfinished_docstring}\n{indentation}"""'
     # A quotation mark at the end would be read as a closing quotation mark, so it is escaped.
     if _OPEN_QUOTE.search(unfinished_docstring):
         unfinished_docstring = f'{unfinished_docstring[:-1]}\\"'
     return unfinished_docstring + '"""'
 
 
-def _block_lines(block: Block, pad: str) -> list[str]:
+def _block_lines(block: Block, indentation: str) -> list[str]:
     """Return the lines of a block, or none if it has no text or no entries."""
     if isinstance(block, str):
-        return [wrap_text(_in_docstring(block), WIDTH, pad)] if block else []
+        return [wrap_text(_in_docstring(block), WIDTH, indentation)] if block else []
     if isinstance(block, Lines):
-        return [f"{pad}    {_in_docstring_line(line)}" for line in block.lines]
-    title, entries = block
+        return [f"{indentation}    {_in_docstring_line(line)}" for line in block.lines]
+    block_title, entries = block
     if not entries:
         return []
     return [
-        wrap_text(_in_docstring(f"{title}:"), WIDTH, pad),
-        *(_block_entry(name, text, pad) for name, text in entries),
+        wrap_text(_in_docstring(f"{block_title}:"), WIDTH, indentation),
+        *(_block_entry(name, text, indentation) for name, text in entries),
     ]
 
 
-def _block_entry(name: str, text: str, pad: str) -> str:
+def _block_entry(name: str, text: str, indentation: str) -> str:
     """Return an entry of a block, such as ``    bits: Width of the position.`` Its further lines are indented.
 
     Without a name, the entry is only the text, and all of its lines begin at the same column.
     """
-    first_prefix = f"{pad}    {_in_docstring(name)}: " if name else f"{pad}    "
-    further_prefix = f"{pad}        " if name else first_prefix
+    first_prefix = f"{indentation}    {_in_docstring(name)}: " if name else f"{indentation}    "
+    further_prefix = f"{indentation}        " if name else first_prefix
     return wrap_text(_in_docstring(text), WIDTH, prefix=further_prefix, first=first_prefix)
 
 
@@ -130,15 +138,15 @@ def describe_module(device: Device, contents: Iterable[tuple[str, str]], example
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
         " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
         DOCSTRING_STYLE.sentence(describe_grade(device)),
-        DOCSTRING_STYLE.paragraph([*origin(device), *other_editions(device)]),
-        *_in_full(removals(device)),
+        DOCSTRING_STYLE.paragraph([*differences_from_manual(device), *other_editions(device)]),
+        *_in_full(describe_removals(device)),
         " ".join(device.manufacturer.trademarks),
     )
 
 
 def describe_errata(device: Device, *paths: str) -> list[Block]:
     """Return the block with the errata that affect these parts of the spec. Errata about wording are left out."""
-    return paragraphs(map(describe_erratum, errata(device, *paths)))
+    return paragraphs(map(describe_erratum, errata_affecting(device, *paths)))
 
 
 def _with_source_below(first: Statement) -> tuple[str, str]:
@@ -153,7 +161,7 @@ def paragraphs(statements: Iterable[Statement]) -> list[Block]:
     short_errata: list[tuple[str, str]] = []
     for printed_statement in statements:
         # Only errata have statements below them.
-        if printed_statement.below:
+        if printed_statement.statements_below:
             short_errata.append(_short_erratum(printed_statement))
         else:
             sentences.append(DOCSTRING_STYLE.sentence(printed_statement))
@@ -162,7 +170,10 @@ def paragraphs(statements: Iterable[Statement]) -> list[Block]:
 
 def _in_full(statements: Iterable[Statement]) -> list[Block]:
     """Return a block for each statement: its heading, and the labeled statements below it."""
-    return [(DOCSTRING_STYLE.head(statement), list(map(_split_label, statement.below))) for statement in statements]
+    return [
+        (DOCSTRING_STYLE.head(statement), list(map(_split_label, statement.statements_below)))
+        for statement in statements
+    ]
 
 
 def _split_label(statement: Statement) -> tuple[str, str]:
@@ -177,37 +188,44 @@ def _short_erratum(statement: Statement) -> tuple[str, str]:
     sentence of its first statement.
     """
     title_of_erratum = statement.label.removeprefix("Erratum: ")
-    phrases_by_label = {part.label: DOCSTRING_STYLE.phrase(part) for part in statement.below}
-    first_part = statement.below[0]
-    correction = phrases_by_label.get("Used") or f"{first_part.label}: {DOCSTRING_STYLE.phrase(first_part)}"
+    phrase_by_label = {
+        part_statement.label: DOCSTRING_STYLE.phrase(part_statement) for part_statement in statement.statements_below
+    }
+    first_statement = statement.statements_below[0]
+    correction_text = (
+        phrase_by_label.get("Used") or f"{first_statement.label}: {DOCSTRING_STYLE.phrase(first_statement)}"
+    )
     # Changes by overlays and other editions have no short form.
-    is_erratum_of_manual = bool(statement.brief) and "Used" in phrases_by_label
+    is_erratum_of_manual = bool(statement.brief) and "Used" in phrase_by_label
     if is_erratum_of_manual:
-        return title_of_erratum, as_sentence(correction)
-    first_sentence = _END_OF_SENTENCE.split(correction)[0]
+        return title_of_erratum, as_sentence(correction_text)
+    first_sentence = _END_OF_SENTENCE.split(correction_text)[0]
     return title_of_erratum, as_sentence(first_sentence)
 
 
-def notes(device: Device, interface: Interface) -> list[list[str]]:
+def errata_lines(device: Device, interface: Interface) -> list[list[str]]:
     """Return the errata of an interface that do not affect a single frame only, each as a list of lines."""
     path = f"interfaces.{interface.name}"
-    interface_errata = errata(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
+    interface_errata = errata_affecting(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
     return [DOCSTRING_STYLE.lines(describe_erratum(listed_erratum)) for listed_erratum in interface_errata]
 
 
 # -- order codes
 
 
-def describe_variant(device: Device, names: dict[str, str]) -> str:
-    """Return the docstring of the class of encoders. ``names`` are the attributes of its parameters."""
-    quantities = [(names[parameter.name], _about_quantity(device, parameter)) for parameter in device.set_parameters]
-    parts = ", ".join(part.name for part in device.order_code.parts)
+def describe_variant(device: Device, attribute_by_parameter: dict[str, str]) -> str:
+    """Return the docstring of the class of encoders. ``attribute_by_parameter`` contains their attributes."""
+    names_and_descriptions = [
+        (attribute_by_parameter[parameter.name], _about_quantity(device, parameter))
+        for parameter in device.set_parameters
+    ]
+    part_names = ", ".join(part.name for part in device.order_code.parts)
     attributes = [
         ("family", "Family of the encoder."),
         ("interface", "Interface of the encoder."),
         ("code", "Order code, without any text that follows it on the label."),
-        ("parts", f"Parts of the order code: {parts}."),
-        *quantities,
+        ("parts", f"Parts of the order code: {part_names}."),
+        *names_and_descriptions,
         ("unlisted", "Names of the parts whose values the manual does not list."),
         ("tail", "Text that followed the order code on the label."),
         ("special_code", f"Suffix /Sxxx of the label, or empty. {as_sentence(device.order_code.special)}".strip()),
@@ -226,14 +244,14 @@ def _about_quantity(device: Device, parameter: Parameter) -> str:
     It names the interface if other interfaces do not have the parameter. If a register contains the parameter, it says
     which value applies until the register is read.
     """
-    about = describe_parameter(device, parameter)
+    description = describe_parameter(device, parameter)
     if parameter.interface and len(device.interfaces) > 1:
-        about += f" Applies only to {device.interface(parameter.interface).title}."
+        description += f" Applies only to {device.interface(parameter.interface).title}."
     if parameter.read_from:
         has_factory_default = device.register(parameter.register).default is not None
         initial_value = "the factory default" if has_factory_default else "that of the order code"
-        about += f" The value is {initial_value} unless set by with_registers()."
-    return about
+        description += f" The value is {initial_value} unless set by with_registers()."
+    return description
 
 
 def describe_alternative(device: Device, alternative: Alternative) -> str:
@@ -281,8 +299,8 @@ def describe_layout(device: Device, interface: Interface, frame: Layout) -> tupl
     group_names = dict.fromkeys(field.group for field in frame.fields if field.group)
     # These are paths in the spec of the device, where errata refer to them.
     group_paths = [f"field_groups.{name}" for name in group_names]
-    frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
-    group_titles = [erratum.title for erratum in errata(device, *group_paths) if erratum not in frame_errata]
+    frame_errata = errata_affecting(device, f"interfaces.{interface.name}.{frame.name}")
+    group_titles = [erratum.title for erratum in errata_affecting(device, *group_paths) if erratum not in frame_errata]
     further_errata = f"See also these errata in ERRATA: {'; '.join(group_titles)}." if group_titles else ""
     return summary, [source, *paragraphs(say_layout.describe_layout(device, interface, frame)), further_errata]
 
@@ -294,7 +312,7 @@ def describe_register(device: Device, device_register: Register) -> tuple[str, l
     """
     facts = [*say_register.describe_register_facts(device, device_register)]
     if is_one_choice(device_register):
-        facts += say_register.rules(device, device_register.layout.fields[0])
+        facts += say_register.describe_field_rules(device, device_register.layout.fields[0])
     register_errata = describe_errata(device, f"registers.{device_register.name}")
     summary, source = _with_source_below(
         say_register.describe_head(device, device_register, full_title(device_register))
@@ -310,22 +328,25 @@ def describe_register(device: Device, device_register: Register) -> tuple[str, l
 
 
 def describe_class(
-    about: tuple[str, list[Block]], kind: str, attributes: Iterable[tuple[str, str]], *further_blocks: Block
+    summary_and_blocks: tuple[str, list[Block]],
+    frame_or_register: str,
+    attributes: Iterable[tuple[str, str]],
+    *further_blocks: Block,
 ) -> str:
-    """Return the docstring of a class. ``about`` is its summary and the paragraphs after the attributes.
+    """Return the docstring of a class. ``summary_and_blocks`` is its summary and the paragraphs after the attributes.
 
-    If the class has the attribute ``variant``, ``kind`` says what it is: ``frame`` or ``register``. Otherwise it is
-    empty.
+    If the class has the attribute ``variant``, ``frame_or_register`` says what it is: ``frame`` or ``register``.
+    Otherwise it is empty.
     """
-    variant = [("variant", f"Encoder to which the {kind} belongs.")] if kind else []
-    summary, blocks = about
+    variant = [("variant", f"Encoder to which the {frame_or_register} belongs.")] if frame_or_register else []
+    summary, blocks = summary_and_blocks
     return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *further_blocks, indent=4)
 
 
 def describe_crc(device: Device, device_crc: Crc) -> list[Block]:
     """Return the paragraphs of the function that computes a CRC."""
-    head, *further_statements = say_layout.describe_crc(device, device_crc)
-    summary, source = _with_source_below(head)
+    head_statement, *further_statements = say_layout.describe_crc(device, device_crc)
+    summary, source = _with_source_below(head_statement)
     return [f"Compute the {summary}", source, *paragraphs(further_statements)]
 
 
@@ -348,11 +369,11 @@ def describe_field(device: Device, data_field: Field, *, may_be_missing: bool) -
 
     ``may_be_missing`` is True if some order codes do not have the field.
     """
-    missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
+    missing_statement = [statement("0 if the encoder does not have this field")] if may_be_missing else []
     statements = [
         *say_register.describe_meaning(data_field, data_field.meaning),
-        *missing,
-        *say_register.rules(device, data_field),
+        *missing_statement,
+        *say_register.describe_field_rules(device, data_field),
         *spec_text(data_field.note),
     ]
     return DOCSTRING_STYLE.paragraph(statements) or as_sentence(title_of(data_field))
@@ -364,12 +385,12 @@ ABOUT_UNUSED = "Mask of the unused bits that differ from the manual. 0 if none d
 ABOUT_OTHERS = "Bits that the manual does not describe, at their positions in the number that the bytes form."
 
 
-def describe_unused(unused_field: Field, at: int) -> str:
+def describe_unused(unused_field: Field, lowest_bit: int) -> str:
     """Return the bits and the name of a field of unused bits, such as ``bits 5:4, reserved``.
 
-    The bits are those in the attribute ``unused``, where its lowest bit is bit ``at``.
+    The bits are those in the attribute ``unused``, where its lowest bit is bit ``lowest_bit``.
     """
-    return f"{names_and_evidence.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
+    return f"{names_and_evidence.bits(lowest_bit + unused_field.widest - 1, lowest_bit)}, {unused_field.name}"
 
 
 def describe_value(named_value: Field | Value) -> str:

@@ -46,10 +46,10 @@ from .literals import (
     literal_call,
     meaning_members,
     quoted,
-    record,
+    record_call,
     zero_means_member,
 )
-from .names import ModuleContext, byte_order
+from .names import DeviceNames, byte_order
 
 #: Sources with classes of records and enumerations.
 _RUNTIME_PACKAGE = our_runtime("python") / "codewheel_runtime"
@@ -81,7 +81,7 @@ class RecordMember:
     """
 
     name: str
-    types: frozenset[str]
+    names_in_type: frozenset[str]
     default: object = None
     is_required: bool = False
 
@@ -97,16 +97,16 @@ class RuntimeRecords:
 @cache
 def runtime_records() -> RuntimeRecords:
     """Return all records and enumerations of the runtime."""
-    members: dict[str, tuple[RecordMember, ...]] = {}
+    members_by_class: dict[str, tuple[RecordMember, ...]] = {}
     enumerations: set[str] = set()
     for path in _RECORD_SOURCES:
         for class_def in _record_classes(path.read_text(encoding="utf-8")):
             base_names = {ast.unparse(base) for base in class_def.bases}
             if "NamedTuple" in base_names:
-                members[class_def.name] = tuple(_record_members(class_def))
+                members_by_class[class_def.name] = tuple(_record_members(class_def))
             if "Enum" in base_names:
                 enumerations.add(class_def.name)
-    return RuntimeRecords(members, frozenset(enumerations))
+    return RuntimeRecords(members_by_class, frozenset(enumerations))
 
 
 def _record_classes(source: str) -> list[ast.ClassDef]:
@@ -116,23 +116,23 @@ def _record_classes(source: str) -> list[ast.ClassDef]:
 
 def _record_members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
     """Yield the members of a class, whose statements are like ``address: int`` or ``note: str = ""``."""
-    for statement in class_def.body:
-        if not isinstance(statement, ast.AnnAssign) or not isinstance(statement.target, ast.Name):
+    for class_statement in class_def.body:
+        if not isinstance(class_statement, ast.AnnAssign) or not isinstance(class_statement.target, ast.Name):
             continue
-        names_in_type = [node.id for node in ast.walk(statement.annotation) if isinstance(node, ast.Name)]
+        names_in_type = [node.id for node in ast.walk(class_statement.annotation) if isinstance(node, ast.Name)]
         default: object = None
         # The default of some members is a call, which counts as None.
-        if isinstance(statement.value, (ast.Constant, ast.Tuple)):
-            default = ast.literal_eval(statement.value)
+        if isinstance(class_statement.value, (ast.Constant, ast.Tuple)):
+            default = ast.literal_eval(class_statement.value)
         yield RecordMember(
-            name=statement.target.id,
-            types=frozenset(names_in_type),
+            name=class_statement.target.id,
+            names_in_type=frozenset(names_in_type),
             default=default,
-            is_required=statement.value is None,
+            is_required=class_statement.value is None,
         )
 
 
-def record_of(class_name: str, model_part: object, **overrides: Literal) -> CallLiteral:
+def record_from_model(class_name: str, model_part: object, **overrides: Literal) -> CallLiteral:
     """Return the call that creates the record of a part of the model, such as a register.
 
     It contains all required members, and other members unless they are empty or equal to their default.
@@ -143,20 +143,24 @@ def record_of(class_name: str, model_part: object, **overrides: Literal) -> Call
         overrides: Values that replace those of the part.
     """
     arguments: list[tuple[str, Literal]] = []
-    for member in _in_printed_order(class_name):
-        value = overrides[member.name] if member.name in overrides else _member_literal(model_part, member)
-        if member.is_required:
+    for record_member in _in_printed_order(class_name):
+        member_value = (
+            overrides[record_member.name]
+            if record_member.name in overrides
+            else _member_literal(model_part, record_member)
+        )
+        if record_member.is_required:
             # An argument with an empty name is positional.
             is_positional = class_name in _POSITIONAL_RECORDS
-            arguments.append(("" if is_positional else member.name, value))
-        elif value != member.default and not is_empty(value):
-            arguments.append((member.name, value))
+            arguments.append(("" if is_positional else record_member.name, member_value))
+        elif member_value != record_member.default and not is_empty(member_value):
+            arguments.append((record_member.name, member_value))
     return CallLiteral(class_name, tuple(arguments))
 
 
-def records_of(class_name: str, model_parts: Sequence[object]) -> tuple[CallLiteral, ...]:
+def records_from_model(class_name: str, model_parts: Sequence[object]) -> tuple[CallLiteral, ...]:
     """Return a record for each part of the model."""
-    return tuple(record_of(class_name, model_part) for model_part in model_parts)
+    return tuple(record_from_model(class_name, model_part) for model_part in model_parts)
 
 
 def _in_printed_order(class_name: str) -> list[RecordMember]:
@@ -168,32 +172,32 @@ def _in_printed_order(class_name: str) -> list[RecordMember]:
     return members_before + members_at_end
 
 
-def _member_literal(model_part: object, member: RecordMember) -> Literal:
+def _member_literal(model_part: object, record_member: RecordMember) -> Literal:
     """Return a member of a part of the model as a literal, according to the type of the member in the record.
 
     If the type is a record or an enumeration, or a tuple of these, the value becomes a call or a member of it. Sources
     become one text.
     """
-    value = getattr(model_part, member.name)
-    if member.name == "source":
-        return cite(value)
-    record_names = member.types & runtime_records().members.keys()
+    member_value = getattr(model_part, record_member.name)
+    if record_member.name == "source":
+        return cite(member_value)
+    record_names = record_member.names_in_type & runtime_records().members.keys()
     if record_names:
         (record_name,) = record_names  # A type names at most one record.
-        if isinstance(value, tuple):
-            return records_of(record_name, value)
-        return record_of(record_name, value) if value is not None else None
-    enumerations = member.types & runtime_records().enumerations
+        if isinstance(member_value, tuple):
+            return records_from_model(record_name, member_value)
+        return record_from_model(record_name, member_value) if member_value is not None else None
+    enumerations = record_member.names_in_type & runtime_records().enumerations
     if enumerations:
         (enumeration,) = enumerations  # A type names at most one enumeration.
-        if isinstance(value, tuple):
-            return tuple(EnumMember(enumeration, name) for name in value)
-        return EnumMember(enumeration, value) if value else None
-    if isinstance(value, Expression):
-        return value.render()
-    if isinstance(value, int) and _is_hexadecimal(model_part, member.name):
-        return Hex(value)
-    literal_value: Literal = value
+        if isinstance(member_value, tuple):
+            return tuple(EnumMember(enumeration, name) for name in member_value)
+        return EnumMember(enumeration, member_value) if member_value else None
+    if isinstance(member_value, Expression):
+        return member_value.render()
+    if isinstance(member_value, int) and _is_hexadecimal(model_part, record_member.name):
+        return Hex(member_value)
+    literal_value: Literal = member_value
     return literal_value
 
 
@@ -205,14 +209,16 @@ def _is_hexadecimal(model_part: object, member_name: str) -> bool:
     return part.by_attribute[member_name].shape == "hex"
 
 
-def held_record(context: ModuleContext, register: Register, held_parameter: HeldParameter) -> CallLiteral:
+def record_of_held_parameter(
+    device_names: DeviceNames, register: Register, held_parameter: HeldParameter
+) -> CallLiteral:
     """Return the record of a parameter that is read from a register: its place, its default, its limits or codes.
 
     If the manual gives no factory default of the register, the record contains zeros, and ``by_order_code`` says so.
     """
     parameter = held_parameter.parameter
     record_members: dict[str, Literal] = {
-        "name": context.parameters[parameter.name],
+        "name": device_names.attribute_by_parameter[parameter.name],
         "interface": SourceText(f"Interface.{register.interface.upper()}"),
         "address": SourceText(f"Address.{register.name.upper()}"),
         "default": register.default_bytes() or bytes(register.length),
@@ -228,16 +234,16 @@ def held_record(context: ModuleContext, register: Register, held_parameter: Held
         record_members["by_order_code"] = True
     if not parameter.by_code:
         record_members |= zero_means_member(meaning_of(held_parameter.field))
-    return record("RegisterParameter", record_members)
+    return record_call("RegisterParameter", record_members)
 
 
 @dataclass(frozen=True)
 class FactTable:
-    """A table of facts in a module. ``kind`` is the class of its rows, which are records."""
+    """A table of facts in a module. ``record_class`` is the class of its rows, which are records."""
 
     comment: str
     name: str
-    kind: str
+    record_class: str
     rows: Sequence[CallLiteral] = ()
 
     @property
@@ -251,25 +257,25 @@ _TABLES_AT_END = (
     FactTable(
         comment="Errors and warnings: their meaning, whether they are latched, and the procedures that clear them.",
         name="ALARMS",
-        kind="Alarm",
+        record_class="Alarm",
     ),
-    FactTable(comment="Timings of the encoder as a whole.", name="TIMINGS", kind="Timing"),
-    FactTable(comment="Connectors and cables, contact by contact.", name="CONNECTORS", kind="Connector"),
-    FactTable(comment="LEDs and the meaning of their states.", name="LEDS", kind="Led"),
-    FactTable(comment="Hardware inputs.", name="INPUTS", kind="Input"),
-    FactTable(comment="Tables of the manual.", name="TABLES", kind="Table"),
-    FactTable(comment="Further facts of the manual, as text.", name="CHARACTERISTICS", kind="Characteristic"),
+    FactTable(comment="Timings of the encoder as a whole.", name="TIMINGS", record_class="Timing"),
+    FactTable(comment="Connectors and cables, contact by contact.", name="CONNECTORS", record_class="Connector"),
+    FactTable(comment="LEDs and the meaning of their states.", name="LEDS", record_class="Led"),
+    FactTable(comment="Hardware inputs.", name="INPUTS", record_class="Input"),
+    FactTable(comment="Tables of the manual.", name="TABLES", record_class="Table"),
+    FactTable(comment="Further facts of the manual, as text.", name="CHARACTERISTICS", record_class="Characteristic"),
     FactTable(
         comment="Content of figures that is missing from the text of the manual.",
         name="LOST_FIGURES",
-        kind="LostFigure",
+        record_class="LostFigure",
     ),
     FactTable(
         comment="Errors and ambiguities in the manual, with the text that is used instead.",
         name="ERRATA",
-        kind="Erratum",
+        record_class="Erratum",
     ),
-    FactTable(comment="Documents that sources cite by key.", name="DOCUMENTS", kind="Document"),
+    FactTable(comment="Documents that sources cite by key.", name="DOCUMENTS", record_class="Document"),
 )
 #: Tables that every module has, even empty.
 _TABLES_ALWAYS_PRINTED = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERISTICS", "ERRATA", "DOCUMENTS")
@@ -278,7 +284,7 @@ _TABLES_ALWAYS_PRINTED = ("ALARMS", "TIMINGS", "CONNECTORS", "LEDS", "CHARACTERI
 # -- the device
 
 
-def family(device: Device) -> CallLiteral:
+def family_record(device: Device) -> CallLiteral:
     """Return the record ``Family`` of a device."""
     return literal_call(
         "Family",
@@ -289,31 +295,31 @@ def family(device: Device) -> CallLiteral:
     )
 
 
-def order_code(code: OrderCode) -> CallLiteral:
+def order_code_record(order_code: OrderCode) -> CallLiteral:
     """Return the record ``OrderCode``, with the parts of the order code and their values."""
     part_records = []
-    for part in code.parts:
+    for part in order_code.parts:
         combinations = _allowed_combinations(part.open_only_with)
-        part_records.append(record_of("Part", part, open_only_with=combinations))
-    return record_of("OrderCode", code, parts=tuple(part_records))
+        part_records.append(record_from_model("Part", part, open_only_with=combinations))
+    return record_from_model("OrderCode", order_code, parts=tuple(part_records))
 
 
-def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> CallLiteral | None:
+def _allowed_combinations(values_by_part: Mapping[str, tuple[str, ...]]) -> CallLiteral | None:
     """Return the values of other parts of the order code with which unlisted values of a part can be combined.
 
     An example is ``ReadOnly({"interface": ("BiSS", "SSI",)})``. The result is None if all combinations are possible.
     """
-    if not allowed:
+    if not values_by_part:
         return None
     dict_items = []
-    for part_name, values in allowed.items():
+    for part_name, values in values_by_part.items():
         quoted_values = ", ".join(map(quoted, values))
         # The comma makes a tuple of a single value.
         dict_items.append(f"{quoted(part_name)}: ({quoted_values},)")
     return CallLiteral("ReadOnly", (("", SourceText(f"{{{', '.join(dict_items)}}}")),))
 
 
-def tables(device: Device) -> list[FactTable]:
+def tables_at_end(device: Device) -> list[FactTable]:
     """Return the tables at the end of a module: tables with rows, and tables that every module has."""
     filled_tables = [_with_rows(table, device) for table in _TABLES_AT_END]
     return [table for table in filled_tables if table.rows or table.name in _TABLES_ALWAYS_PRINTED]
@@ -321,22 +327,22 @@ def tables(device: Device) -> list[FactTable]:
 
 def _with_rows(table: FactTable, device: Device) -> FactTable:
     """Return a table with a row for each part in its section of the model."""
-    return replace(table, rows=records_of(table.kind, getattr(device, table.section)))
+    return replace(table, rows=records_from_model(table.record_class, getattr(device, table.section)))
 
 
-def reports(device: Device) -> list[CallLiteral]:
+def report_records(device: Device) -> list[CallLiteral]:
     """Return the records of the reports in the frames of the family, such as errors."""
     return [_report_record(report.name, report.field, alarm_of(device, report.field)) for report in reports_of(device)]
 
 
 def _report_record(name: str, field: Field, alarm: Alarm | None) -> CallLiteral:
     """Return the record ``Report``, with the meaning and the remedy of its alarm if the field has one."""
-    verdict = field.kind.makes_position
-    return record(
+    verdict_while_active = field.kind.makes_position
+    return record_call(
         "Report",
         {"name": name, "printed_name": field.printed_name, "meaning": meaning(field, alarm)},
         remedy=remedy(field, alarm),
-        makes_position=EnumMember("Verdict", verdict.name) if verdict is not None else None,
+        makes_position=EnumMember("Verdict", verdict_while_active.name) if verdict_while_active is not None else None,
         source=cite(alarm_source(field, alarm)),
     )
 
@@ -344,12 +350,12 @@ def _report_record(name: str, field: Field, alarm: Alarm | None) -> CallLiteral:
 # -- interfaces
 
 
-def interface(interface: Interface) -> CallLiteral:
+def interface_record(interface: Interface) -> CallLiteral:
     """Return the record with the facts of an interface, such as ``SsiFacts``."""
     match interface:
         case Ssi():
             output_code = interface.output_code
-            return record_of(
+            return record_from_model(
                 "SsiFacts",
                 interface,
                 **_clock_members(interface),
@@ -359,15 +365,15 @@ def interface(interface: Interface) -> CallLiteral:
                 output_code_source=cite(output_code.source) if output_code is not None else "",
             )
         case Biss():
-            timeouts = records_of("Timeout", interface.timeouts_by_code)
-            return record_of("BissFacts", interface, **_clock_members(interface), timeouts=timeouts)
+            timeouts = records_from_model("Timeout", interface.timeouts_by_code)
+            return record_from_model("BissFacts", interface, **_clock_members(interface), timeouts=timeouts)
         case Rs485():
             memory = tuple(
-                record_of("MemoryAccess", access, busy=bool(access.busy)) for access in interface.memory_access
+                record_from_model("MemoryAccess", access, busy=bool(access.busy)) for access in interface.memory_access
             )
-            return record_of("Rs485Facts", interface, memory_access=memory)
+            return record_from_model("Rs485Facts", interface, memory_access=memory)
         case Spi():
-            return record_of("SpiFacts", interface, **_clock_members(interface))
+            return record_from_model("SpiFacts", interface, **_clock_members(interface))
         case _:
             assert_never(interface)
 
@@ -378,7 +384,7 @@ def _clock_members(interface: Clocked) -> Mapping[str, Literal]:
     If each order code has its own clock, ``clock`` has no limits.
     """
     clock = interface.clock if interface.clock is not None else Clock(source=())
-    return {"clock": record_of("Clock", clock), "clocks": records_of("Clock", interface.clocks_by_code)}
+    return {"clock": record_from_model("Clock", clock), "clocks": records_from_model("Clock", interface.clocks_by_code)}
 
 
 # -- fields and registers
@@ -391,7 +397,7 @@ def _field_record(layout_plan: LayoutPlan, field: Field) -> CallLiteral:
     """
     when_active, when_inactive = flag_state_meanings(field)
     unused_values = {reserved.field.name: reserved.value for reserved in layout_plan.reserved}
-    return record_of(
+    return record_from_model(
         "FieldFacts",
         field,
         **meaning_members(meaning_of(field)),
@@ -418,19 +424,19 @@ def _is_one_number(layout: Layout) -> bool:
     return has_name_of_register and only_field.carries_data and is_number(meaning_of(only_field))
 
 
-def frame_rows(device: Device) -> dict[str, tuple[CallLiteral, ...]]:
+def field_records_by_frame(device: Device) -> dict[str, tuple[CallLiteral, ...]]:
     """Return the facts of the fields in each frame, by the name of the frame."""
     return {layout.name: _field_records(layout_plan_of(device, layout)) for _, layout in device.layouts()}
 
 
-def register_rows(device: Device) -> dict[str, CallLiteral]:
+def record_by_register(device: Device) -> dict[str, CallLiteral]:
     """Return the facts of each register, by its name."""
     return {register.name: _register_record(device, register) for register in device.registers}
 
 
 def _register_record(device: Device, register: Register) -> CallLiteral:
     """Return the record ``Register``. A register that is a single number has no fields."""
-    return record_of(
+    return record_from_model(
         "Register",
         register,
         default=register.default_bytes(),

@@ -146,13 +146,16 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     The package of the main manufacturer is in ``python``, and each other package in a folder below it.
     """
     files = _runtime_files(_RUNTIME_FOLDER)
-    makers = library.by_manufacturer()
-    main = main_manufacturer([maker for maker, _ in makers])
-    folders = {maker.name: _folder_of_package(maker, is_main=maker is main) for maker, _ in makers}
-    for maker, devices in makers:
-        folder = folders[maker.name]
+    manufacturers = library.by_manufacturer()
+    first_manufacturer = main_manufacturer([manufacturer for manufacturer, _ in manufacturers])
+    folders = {
+        manufacturer.name: _folder_of_package(manufacturer, is_main=manufacturer is first_manufacturer)
+        for manufacturer, _ in manufacturers
+    }
+    for manufacturer, devices in manufacturers:
+        folder = folders[manufacturer.name]
         files |= licence_in(folder)
-        for path, file_text in _package_files(maker, devices, library, folders).items():
+        for path, file_text in _package_files(manufacturer, devices, library, folders).items():
             files[f"{folder}/{path}"] = file_text
     return files
 
@@ -256,8 +259,8 @@ def _readme_examples(modules: list[Module]) -> ReadmeExamples:
         "start": start,
         "shown_family": shown_family,
         "virtual": virtual_examples([module.readme for module in shown_family_first]),
-        "biss_procedure": _biss_procedure(shown_family_first),
-        "spi": _spi_example(modules),
+        "biss_procedure": _first_biss_example(shown_family_first),
+        "spi": _first_spi_example(modules),
     }
 
 
@@ -290,7 +293,7 @@ def _special_models(modules: Iterable[Module]) -> list[tuple[str, str]]:
     return modules_and_suffixes
 
 
-def _spi_example(modules: Iterable[Module]) -> ReadmeExample | None:
+def _first_spi_example(modules: Iterable[Module]) -> ReadmeExample | None:
     """Return the first example of a position over SPI, or None without any."""
     for module in modules:
         if module.spi_example is not None:
@@ -298,10 +301,10 @@ def _spi_example(modules: Iterable[Module]) -> ReadmeExample | None:
     return None
 
 
-def _biss_procedure(modules: Iterable[Module]) -> ReadmeExample | None:
+def _first_biss_example(modules: Iterable[Module]) -> ReadmeExample | None:
     """Return the first example of a procedure over BiSS, or None without any."""
     for module in modules:
-        for example in module.readme.procedures:
+        for example in module.readme.procedure_examples:
             if example.interface == "biss":
                 return example
     return None
@@ -326,11 +329,13 @@ def _module_text(module: Module, package: str, template: str, user_templates: Pa
         "facts": module.fact_names,
         "offers": sorted({name for _, names in module.contents for name in names}),
     }
-    device_names = {f"..{module.name}": [name for name in family["offers"] if name not in module.fact_names]}
-    sources = {"device": PACKAGE, "facts": FACTS, "shapes": {**SHAPES, **device_names}}[template]
+    names_by_device_module = {f"..{module.name}": [name for name in family["offers"] if name not in module.fact_names]}
+    names_by_import_module = {"device": PACKAGE, "facts": FACTS, "shapes": {**SHAPES, **names_by_device_module}}[
+        template
+    ]
     # The first rendering shows which names the module uses, the second one imports them.
     text_without_imports = TEMPLATES.render(f"{template}.py.jinja", {**family, "imports": []}, user_templates)
-    values: Family = {**family, "imports": imports_of(text_without_imports, STANDARD, sources)}
+    values: Family = {**family, "imports": imports_of(text_without_imports, STANDARD, names_by_import_module)}
     return TEMPLATES.render(f"{template}.py.jinja", values, user_templates)
 
 

@@ -15,22 +15,22 @@ from .literals import coded
 class FirstByte:
     """The first byte of a frame in bytes, which can contain the selector: the field by which frames differ.
 
-    ``enum`` returns the name of the IntEnum of a field.
+    ``enum_name_of`` returns the name of the IntEnum of a field.
     """
 
-    def __init__(self, layout_plan: LayoutPlan, enum: Callable[[Field], str]) -> None:
-        self.plan = layout_plan
-        self.enum = enum
+    def __init__(self, layout_plan: LayoutPlan, enum_name_of: Callable[[Field], str]) -> None:
+        self.layout_plan = layout_plan
+        self.enum_name_of = enum_name_of
 
     @property
     def checks(self) -> list[Check]:
         """The checks that need only the first byte."""
-        return [check for check in self.plan.checks if _needs_only_first_byte(check)]
+        return [check for check in self.layout_plan.checks if _needs_only_first_byte(check)]
 
     @property
     def other_checks(self) -> list[Check]:
         """The checks that need other bytes."""
-        return [check for check in self.plan.checks if not _needs_only_first_byte(check)]
+        return [check for check in self.layout_plan.checks if not _needs_only_first_byte(check)]
 
     @cached_property
     def selectors_by_byte(self) -> dict[int, int]:
@@ -51,16 +51,16 @@ class FirstByte:
 
         The dict is empty if the selector is not an attribute of the frame.
         """
-        for part in self.plan.decoded_fields:
-            if self._is_selector(part.field):
-                return self._codes_by_first_byte(part.field)
+        for decoded_field in self.layout_plan.decoded_fields:
+            if self._is_selector(decoded_field.field):
+                return self._codes_by_first_byte(decoded_field.field)
         return {}
 
     def _codes_by_first_byte(self, selector: Field) -> dict[int, str]:
         """Return the Python code of the selector by first byte: the member of its enumeration, or else a number."""
         meaning = meaning_of(selector)
         choices = meaning.values if isinstance(meaning, NamedChoice) else ()
-        member_by_value = {choice.value: f"{self.enum(selector)}.{choice.name.upper()}" for choice in choices}
+        member_by_value = {choice.value: f"{self.enum_name_of(selector)}.{choice.name.upper()}" for choice in choices}
         code_by_byte: dict[int, str] = {}
         for byte, selector_value in self.selectors_by_byte.items():
             code_by_byte[byte] = member_by_value.get(selector_value, coded(selector_value))
@@ -77,7 +77,7 @@ class FirstByte:
         return f"b0 not in ({', '.join(valid_bytes)})"
 
     def _is_selector(self, field: Field) -> bool:
-        return field.name == self.plan.layout.selector
+        return field.name == self.layout_plan.layout.selector
 
 
 def _needs_only_first_byte(check: Check) -> bool:
@@ -113,15 +113,15 @@ def _check_passes(check: Check, first_byte: int) -> bool:
 
 def _expected_parity(check: ParityIs, first_byte: int) -> int:
     """Return the parity bit that belongs to this first byte: 1 for an odd number of ones, inverted for odd parity."""
-    number_of_ones = 0
+    one_count = 0
     for covered_bits in check.covered_bits:
-        ones = _bits_in_byte(covered_bits.bit_slices, first_byte)
+        covered_ones = _bits_in_byte(covered_bits.bit_slices, first_byte)
         # Bit 0 of the mask is the lowest bit of the field.
         if check.mask:
-            ones &= check.mask
-        number_of_ones += ones.bit_count()
+            covered_ones &= check.mask
+        one_count += covered_ones.bit_count()
     # The lowest bit of the count is 1 for an odd number, and & binds more tightly than ^.
-    return (number_of_ones & 1) ^ check.odd
+    return (one_count & 1) ^ check.odd
 
 
 def _bits_in_byte(bit_slices: Iterable[BitSlice], byte: int) -> int:

@@ -34,8 +34,8 @@ def _break_line(line: str) -> Iterator[str]:
         return
     text_item = _TEXT_LINE.fullmatch(line)
     if text_item is not None:
-        indent, name, quoted_text = text_item[1], text_item[2] or "", text_item[3]
-        yield f"{indent}{name}{_split_literal(quoted_text, len(indent))},"
+        indent, name_or_key, quoted_text = text_item[1], text_item[2] or "", text_item[3]
+        yield f"{indent}{name_or_key}{_split_literal(quoted_text, len(indent))},"
         return
     line_start, items, line_end = _split_bracket_items(line)
     if not items:
@@ -55,16 +55,16 @@ def _lines_in_brackets(line_start: str, items: Sequence[str]) -> list[str]:
     only item of a call or list gets a comma. An expression in parentheses and a subscript do not, since a comma
     would turn them into a tuple. A comprehension is not split.
     """
-    content = ", ".join(items)
-    if " for " in _outer_text(content):
-        return [content]
+    text_in_brackets = ", ".join(items)
+    if " for " in _outer_text(text_in_brackets):
+        return [text_in_brackets]
     if len(items) > 1:
         return [f"{item}," for item in items if item]
     follows_value = re.search(r"[\w\])]\W$", line_start) is not None
     if line_start.endswith("(") and not follows_value:
-        return _split_operands(content)
+        return _split_operands(text_in_brackets)
     is_subscript = line_start.endswith("[") and follows_value
-    return [content] if is_subscript else [f"{content},"]
+    return [text_in_brackets] if is_subscript else [f"{text_in_brackets},"]
 
 
 def _split_operands(expression: str) -> list[str]:
@@ -119,23 +119,23 @@ def _split_bracket_items(line: str) -> tuple[str, list[str], str]:
     several items is empty if they end with a comma.
     """
     # The line up to its first bracket. It is empty until the loop has passed that bracket.
-    start = ""
+    line_start = ""
     items = [""]
-    position = 0
+    end_of_token = 0
     for token, depth in _tokens_with_depth(line):
-        is_closing_first_bracket = bool(start) and depth == 1 and token in ")]}"
+        is_closing_first_bracket = bool(line_start) and depth == 1 and token in ")]}"
         if is_closing_first_bracket:
             break
         # Position after the token.
-        position += len(token)
-        if not start:
-            start = line[:position] if depth else ""
+        end_of_token += len(token)
+        if not line_start:
+            line_start = line[:end_of_token] if depth else ""
         elif token == "," and depth == 1:
             items.append("")
         else:
             items[-1] += token
     stripped_items = [item.strip() for item in items] if any(items) else []
-    return start, stripped_items, line[position:]
+    return line_start, stripped_items, line[end_of_token:]
 
 
 def _split_literal(quoted_text: str, indent: int) -> str:
@@ -144,15 +144,15 @@ def _split_literal(quoted_text: str, indent: int) -> str:
     ``indent`` is the number of spaces before the text. A text of a single word that is too long stays as it is.
     """
     margin = f"{' ' * indent}    "
-    pieces = [""]
+    literal_texts = [""]
     for word in quoted_text[1:-1].split(" "):
-        line_with_word = f'{margin}"{pieces[-1]}{word}"'
+        line_with_word = f'{margin}"{literal_texts[-1]}{word}"'
         # The space after the word, and the comma after the last literal, need 2 more characters.
-        if pieces[-1] and len(line_with_word) > WIDTH - 2:
-            pieces.append("")
-        pieces[-1] += f"{word} "
-    pieces[-1] = pieces[-1].removesuffix(" ")
-    literal_lines = [f'{margin}"{piece}"' for piece in pieces if piece]
+        if literal_texts[-1] and len(line_with_word) > WIDTH - 2:
+            literal_texts.append("")
+        literal_texts[-1] += f"{word} "
+    literal_texts[-1] = literal_texts[-1].removesuffix(" ")
+    literal_lines = [f'{margin}"{literal_text}"' for literal_text in literal_texts if literal_text]
     is_one_word_too_long = len(literal_lines) == 1 and len(literal_lines[0]) > WIDTH
     if is_one_word_too_long:
         return quoted_text

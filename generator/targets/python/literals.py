@@ -34,15 +34,15 @@ class PythonExpression:
         """The text to use next to any operator, in parentheses unless it is a name, a number or a call."""
         return str(self) if self.level == _ATOM_LEVEL else f"({self})"
 
-    def as_operand_of(self, operator: str, after: bool = False) -> str:
+    def as_operand_of(self, operator: str, is_right_operand: bool = False) -> str:
         """Return the text as an operand of ``operator``, in parentheses if they are needed or make it easier to read.
 
         An operand of a bit operator always gets parentheses, unless it has the same operator: ``(a >> 3) & 0xF``, and
-        ``a | b | c``. ``after`` is True for the right operand, which needs them if it has an operator of the same
-        precedence.
+        ``a | b | c``. ``is_right_operand`` is True for the right operand, which needs them if it has an operator of the
+        same precedence.
         """
         operator_level = _PRECEDENCE_LEVELS[operator]
-        binds_looser = self.level <= operator_level if after else self.level < operator_level
+        binds_looser = self.level <= operator_level if is_right_operand else self.level < operator_level
         is_in_bit_operation = operator_level in _BIT_LEVELS and self.level != operator_level
         return self.operand if binds_looser or is_in_bit_operation else str(self)
 
@@ -100,7 +100,7 @@ class PythonOperation(PythonExpression):
     def __str__(self) -> str:
         left = self.left.as_operand_of(self.operator)
         # Among equal operators, the left one comes first: ``a - b - c`` but ``a - (b - c)``.
-        right = self.right.as_operand_of(self.operator, after=True)
+        right = self.right.as_operand_of(self.operator, is_right_operand=True)
         return f"{left} {self.operator} {right}"
 
 
@@ -154,12 +154,15 @@ def _sign_of(value: int) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class ParameterExpressions:
-    """How expressions of the spec are written in Python. ``names`` contains the code that reads each parameter."""
+class ExpressionTranslator:
+    """Translates expressions of the spec to Python.
 
-    names: Mapping[str, str]
+    ``code_by_parameter`` contains the code that reads each parameter, such as ``variant.bits``.
+    """
 
-    def expression_of(self, expression: Expression) -> PythonExpression:
+    code_by_parameter: Mapping[str, str]
+
+    def to_python(self, expression: Expression) -> PythonExpression:
         """Return an expression of the spec in Python, such as ``variant.position_bits + 8``."""
         if expression.is_constant:
             return number(expression.constant)
@@ -170,23 +173,23 @@ class ParameterExpressions:
             # A sum should not start with a sign.
             first_term_sign, _ = signs_and_summands[0]
             is_first = expression.constant > 0 and first_term_sign < 0
-            index = 0 if is_first else len(signs_and_summands)
-            signs_and_summands.insert(index, sign_and_constant)
+            index_of_constant = 0 if is_first else len(signs_and_summands)
+            signs_and_summands.insert(index_of_constant, sign_and_constant)
         (first_sign, first_summand), *further_summands = signs_and_summands
-        total: PythonExpression = first_summand if first_sign > 0 else Negative(first_summand)
+        sum_expression: PythonExpression = first_summand if first_sign > 0 else Negative(first_summand)
         for sign, summand in further_summands:
-            total = PythonOperation(total, "+" if sign > 0 else "-", summand)
-        return total
+            sum_expression = PythonOperation(sum_expression, "+" if sign > 0 else "-", summand)
+        return sum_expression
 
-    def ones(self, width: Expression) -> PythonExpression:
+    def mask_of_ones(self, width: Expression) -> PythonExpression:
         """Return a mask of ``width`` 1 bits."""
         if width.is_constant:
             return mask((1 << width.constant) - 1)
-        return PythonOperation(self.power(width), "-", number(1))
+        return PythonOperation(self.power_of_two(width), "-", number(1))
 
-    def power(self, width: Expression) -> PythonExpression:
+    def power_of_two(self, width: Expression) -> PythonExpression:
         """Return 2 to the power of ``width``."""
-        return PythonOperation(number(1), "<<", self.expression_of(width))
+        return PythonOperation(number(1), "<<", self.to_python(width))
 
     def _product_of_factors(self, term: Term) -> PythonExpression:
         """Return the product of a term without its sign, such as ``2 * variant.turns``."""
@@ -198,7 +201,7 @@ class ParameterExpressions:
 
     def _factor_expression(self, factor: Factor) -> PythonExpression:
         """Return a factor: a parameter, or 2 to the power of a parameter."""
-        parameter = Atom(self.names[factor.parameter])
+        parameter = Atom(self.code_by_parameter[factor.parameter])
         return PythonOperation(number(1), "<<", parameter) if factor.power else parameter
 
 
@@ -226,9 +229,9 @@ class SourceText:
 
 @dataclass(frozen=True)
 class EnumMember:
-    """A member of the enumeration ``kind``, given by its value in the spec."""
+    """A member of the enumeration ``enum_name``, given by its value in the spec."""
 
-    kind: str
+    enum_name: str
     value: str
 
 
@@ -286,9 +289,9 @@ def literal_call(function: str, *positional: Literal, **optional: Literal) -> Ca
     return CallLiteral(function, (*(("", value) for value in positional), *_named_arguments(optional)))
 
 
-def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> CallLiteral:
-    """Return a call with named arguments: all of ``needed``, and the optional ones that are not empty."""
-    return CallLiteral(function, (*needed.items(), *_named_arguments(optional)))
+def record_call(function: str, required: Mapping[str, Literal], **optional: Literal) -> CallLiteral:
+    """Return a call with named arguments: all of ``required``, and the optional ones that are not empty."""
+    return CallLiteral(function, (*required.items(), *_named_arguments(optional)))
 
 
 def _named_arguments(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
@@ -306,13 +309,13 @@ def constant(name: str, value: CallLiteral) -> str:
     return break_lines(f"{name}: Final = {value.flat}")
 
 
-def table_statement(name: str, kind: str, rows: Sequence[CallLiteral]) -> str:
+def table_statement(name: str, record_class: str, rows: Sequence[CallLiteral]) -> str:
     """Return the statement that assigns a tuple of records to ``name``, one per line."""
-    start = f"{name}: Final[tuple[{kind}, ...]] = "
+    statement_start = f"{name}: Final[tuple[{record_class}, ...]] = "
     if not rows:
-        return f"{start}()"
+        return f"{statement_start}()"
     row_lines = [break_lines(f"    {row.flat},") for row in rows]
-    return "\n".join([f"{start}(", *row_lines, ")"])
+    return "\n".join([f"{statement_start}(", *row_lines, ")"])
 
 
 def literal(value: Literal) -> str:
@@ -327,13 +330,13 @@ def literal(value: Literal) -> str:
         case float():
             return f"{value:g}"
         case Mapping():
-            items = [f"{quoted(key)}: {quoted(text)}" for key, text in value.items()]
-            return f"ReadOnly({{{', '.join(items)}}})"
+            item_texts = [f"{quoted(key)}: {quoted(text)}" for key, text in value.items()]
+            return f"ReadOnly({{{', '.join(item_texts)}}})"
         case SourceText() | Hex() | EnumMember() | CallLiteral() | ConditionalItem():
             return _source_code(value)
-    elements = ", ".join(map(literal, value))
+    element_texts = ", ".join(map(literal, value))
     # A tuple of one element needs a comma.
-    return f"({elements},)" if len(value) == 1 else f"({elements})"
+    return f"({element_texts},)" if len(value) == 1 else f"({element_texts})"
 
 
 def _source_code(value: SourceText | Hex | EnumMember | CallLiteral | ConditionalItem) -> str:
@@ -344,7 +347,7 @@ def _source_code(value: SourceText | Hex | EnumMember | CallLiteral | Conditiona
         case Hex():
             return f"0x{value.number:02X}"
         case EnumMember():
-            return f"{value.kind}.{value.value.upper()}"
+            return f"{value.enum_name}.{value.value.upper()}"
         case CallLiteral():
             return value.flat
         case ConditionalItem():

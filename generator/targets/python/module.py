@@ -17,19 +17,19 @@ from .bits import from_slices
 from .channel_examples import ChannelExample, channel_example
 from .codec import LayoutClass
 from .docstrings import Block, Lines, docstring
-from .facts import record_of, records_of
+from .facts import record_from_model, records_from_model
 from .frame_kinds import FrameKind
 from .literals import CallLiteral, PythonExpression
 from .names import (
     LOCAL_NAMES,
-    ModuleContext,
+    DeviceNames,
     OpenQuestion,
-    attribute,
-    camel,
     decoder_maker,
     encoder_name,
+    in_camel_case,
     interface_name,
     is_one_choice,
+    python_name,
 )
 from .procedures import ProcedureFunction
 from .readme import Readme, ReadmeExample
@@ -54,13 +54,13 @@ class Enumeration:
 class FrameDispatcher:
     """The function that decodes any frame from one sender, such as ``decode_reply``.
 
-    ``union`` is the type of its result. ``fallback`` is the class of the frame for all other values of the field by
-    which frames differ, or None.
+    ``union_type`` is the type of its result. ``fallback`` is the class of the frame for all other values of the field
+    by which frames differ, or None.
     """
 
-    plan: FrameDispatch
+    dispatch_plan: FrameDispatch
     name: str
-    union: str
+    union_type: str
     interface: str
     encoder: str
     layout_classes: tuple[LayoutClass, ...]
@@ -74,7 +74,7 @@ class FrameDispatcher:
     @property
     def local(self) -> str:
         """The variable for the field by which frames differ (the selector)."""
-        return attribute(self.plan.selector.name, LOCAL_NAMES)
+        return python_name(self.dispatch_plan.selector.name, LOCAL_NAMES)
 
     @property
     def maker(self) -> str:
@@ -84,17 +84,17 @@ class FrameDispatcher:
     @property
     def kind_of_frame(self) -> str:
         """The word for its frames: ``reply`` if the encoder sends them, and otherwise ``request``."""
-        return "reply" if self.plan.sender == "encoder" else "request"
+        return "reply" if self.dispatch_plan.sender == "encoder" else "request"
 
     @property
     def value(self) -> PythonExpression:
         """The selector, extracted from the bytes."""
-        return from_slices(self.plan.bits.bit_slices)
+        return from_slices(self.dispatch_plan.bits.bit_slices)
 
     @property
     def allowed_values(self) -> list[int]:
         """All values that the selector has in a frame."""
-        return sorted(chain.from_iterable(branch.values for branch in self.plan.branches))
+        return sorted(chain.from_iterable(branch.values for branch in self.dispatch_plan.branches))
 
     @property
     def questions(self) -> list[OpenQuestion]:
@@ -112,7 +112,9 @@ class FrameDispatcher:
     @property
     def selector_title(self) -> str:
         """The name of the selector in the manual."""
-        return text_on_one_line(self.plan.selector.printed_name or name_in_words(self.plan.selector.name))
+        return text_on_one_line(
+            self.dispatch_plan.selector.printed_name or name_in_words(self.dispatch_plan.selector.name)
+        )
 
 
 @dataclass(frozen=True)
@@ -121,7 +123,7 @@ class InterfaceSection:
 
     interface: Interface
     facts: CallLiteral
-    notes: Sequence[Sequence[str]]
+    errata_lines: Sequence[Sequence[str]]
     layout_classes: tuple[LayoutClass, ...]
     dispatchers: tuple[FrameDispatcher, ...]
 
@@ -139,8 +141,8 @@ class Module:
 
     def __init__(self, device: Device) -> None:
         self.device = device
-        self.context = ModuleContext(device)
-        self.name = self.context.module
+        self.device_names = DeviceNames(device)
+        self.name = self.device_names.module_name
         self.sections = [self._interface_section(interface) for interface in device.interfaces]
         self.registers = [self._register_class(register) for register in device.registers]
         self.class_by_register = {
@@ -149,38 +151,38 @@ class Module:
             if isinstance(register_class, LayoutClass) and register_class.register
         }
         self.procedures = [
-            ProcedureFunction(self.context, self.class_by_register, procedure) for procedure in device.procedures
+            ProcedureFunction(self.device_names, self.class_by_register, procedure) for procedure in device.procedures
         ]
         frames = tuple(layout_class for section in self.sections for layout_class in section.layout_classes)
         self.layout_classes = (*frames, *self.class_by_register.values())
-        kinds = tuple(self._frame_kinds())
-        self.variant_table = VariantTable(self.context, kinds, frames)
+        frame_kinds = tuple(self._frame_kinds())
+        self.variant_table = VariantTable(self.device_names, frame_kinds, frames)
         self.procedures_by_interface = _group_by_interface(self.procedures)
         function_by_procedure = {function.procedure.name: function for function in self.procedures}
-        self.readme = Readme(self.context, kinds, self.class_by_register, function_by_procedure)
+        self.readme = Readme(self.device_names, frame_kinds, self.class_by_register, function_by_procedure)
         self.identities = list(identities(device))
-        self.family = facts.family(device)
-        self.manual = record_of("Manual", device.manual)
-        self.order_code = facts.order_code(device.order_code)
-        self.crcs = records_of("Crc", device.crcs)
+        self.family = facts.family_record(device)
+        self.manual = record_from_model("Manual", device.manual)
+        self.order_code = facts.order_code_record(device.order_code)
+        self.crcs = records_from_model("Crc", device.crcs)
 
     # -- facts, which the files of the whole package do not need
 
     @cached_property
     def tables(self) -> list[facts.FactTable]:
-        return facts.tables(self.device)
+        return facts.tables_at_end(self.device)
 
     @cached_property
     def reports(self) -> list[CallLiteral]:
-        return facts.reports(self.device)
+        return facts.report_records(self.device)
 
     @cached_property
     def register_rows(self) -> dict[str, CallLiteral]:
-        return facts.register_rows(self.device)
+        return facts.record_by_register(self.device)
 
     @cached_property
     def frame_rows(self) -> dict[str, tuple[CallLiteral, ...]]:
-        return facts.frame_rows(self.device)
+        return facts.field_records_by_frame(self.device)
 
     # -- docstring and contents
 
@@ -202,15 +204,15 @@ class Module:
         for section in self.sections:
             frames = [layout_class.name for layout_class in section.layout_classes]
             for dispatcher in section.dispatchers:
-                frames += (dispatcher.union, dispatcher.name)
+                frames += (dispatcher.union_type, dispatcher.name)
             yield section.interface.title, frames
         yield "All interfaces", ["Frame"] if self.variant_table.sent_frames else []
         enumerations = [enumeration.name for enumeration in self.enums]
-        yield "Values of fields", [*enumerations, *(question.kind for question, _ in self.alternatives)]
+        yield "Values of fields", [*enumerations, *(question.enum_name for question, _ in self.alternatives)]
         addresses = ["Address"] if self.registers else []
         yield "Registers", [*(register.name for register in self.registers), *addresses]
         yield "Procedures", [function.name for function in self.procedures]
-        yield "CRCs", [*self.context.crc_functions]
+        yield "CRCs", [*self.device_names.crc_functions]
         yield "Facts", self.fact_names
 
     def _encoder_names(self) -> Iterator[str]:
@@ -234,7 +236,7 @@ class Module:
 
         Nothing is yielded if the README has no frame.
         """
-        for frame in self.readme.frames[:1]:
+        for frame in self.readme.frame_examples[:1]:
             # The package's lookup() finds the family from which this one is derived, so its own module has another.
             lookup_name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
             verdict_name = "Verdict" if frame.has_verdict else ""
@@ -246,43 +248,45 @@ class Module:
             )
             if frame.has_verdict:
                 yield "A valid frame does not imply a usable position. Check the verdict before you use the position:"
-            yield Lines((*lookup_lines, f"frame = encoder.decode({frame.text}{frame.answers})", *frame.lines))
+            yield Lines((*lookup_lines, f"frame = encoder.decode({frame.argument}{frame.answers})", *frame.lines))
 
     @property
     def alternatives(self) -> list[tuple[OpenQuestion, str]]:
         """Questions that the manual leaves open, with their docstrings."""
-        questions = self.context.questions.values()
+        questions = self.device_names.question_by_name.values()
         return [
             (question, docstrings.describe_alternative(self.device, question.alternative)) for question in questions
         ]
 
     @property
     def spi_example(self) -> ReadmeExample | None:
-        """The example of a position over SPI, whose ``kind`` is the class of the request.
+        """The example of a position over SPI, whose ``frame_class`` is the class of the request.
 
         It is None if the first such frame depends on an open question, or if no request for a position can be built
         without the encoder and without values.
         """
-        frames = [frame for frame in self.readme.frames if frame.interface == "spi" and frame.position]
+        spi_examples = [
+            example for example in self.readme.frame_examples if example.interface == "spi" and example.position
+        ]
         interface = self.device.find_interface(Spi)
-        if not frames or interface is None:
+        if not spi_examples or interface is None:
             return None
-        frame = frames[0]
+        example = spi_examples[0]
         # An open question is then an argument of the decoder.
-        if frame.answers:
+        if example.answers:
             return None
         request_names = [exchange.request for exchange in interface.exchanges if exchange.purpose == "position"]
         for layout_class in self.layout_classes:
             needs_no_values = not layout_class.takes_variant and not layout_class.attributes
             if layout_class.layout.name in request_names and needs_no_values:
-                return replace(frame, kind=layout_class.name, module=self.name)
+                return replace(example, frame_class=layout_class.name, module=self.name)
         return None
 
     @property
     def channel_examples(self) -> list[ChannelExample]:
         """An example for each interface whose frames have several data channels."""
         examples = [
-            channel_example(self.context, section.interface, section.layout_classes) for section in self.sections
+            channel_example(self.device_names, section.interface, section.layout_classes) for section in self.sections
         ]
         return [example for example in examples if example is not None]
 
@@ -295,7 +299,7 @@ class Module:
     def shapes(self) -> list[ShapeLiteral]:
         """Descriptions of all frames, for ``decode_many``."""
         frames = (layout_class for section in self.sections for layout_class in section.layout_classes)
-        reportings = self.context.reportings
+        reportings = self.device_names.reports_by_frame
         return [ShapeLiteral(layout_class, reportings.get(layout_class.layout.name)) for layout_class in frames]
 
     @property
@@ -317,28 +321,30 @@ class Module:
     @cached_property
     def enums(self) -> list[Enumeration]:
         """The enumerations of the fields with named values."""
-        fields = self.context.choices.values()
-        return [Enumeration(self.context.enum(field), _enumeration_doc(field), field.values) for field in fields]
+        fields = self.device_names.field_by_named_values.values()
+        return [
+            Enumeration(self.device_names.enum_name(field), _enumeration_doc(field), field.values) for field in fields
+        ]
 
     def _interface_section(self, interface: Interface) -> InterfaceSection:
         """Return an interface with its frames, and the functions that decode any frame from one sender."""
-        layout_classes = tuple(LayoutClass(self.context, interface.name, layout) for layout in interface.layouts)
+        layout_classes = tuple(LayoutClass(self.device_names, interface.name, layout) for layout in interface.layouts)
         dispatchers = [
             self._sender_dispatcher(interface, dispatch, layout_classes) for dispatch in dispatches(interface.layouts)
         ]
         # Frames sent by the master come first.
-        dispatchers.sort(key=lambda dispatcher: dispatcher.plan.sender == "encoder")
-        notes = docstrings.notes(self.device, interface)
+        dispatchers.sort(key=lambda dispatcher: dispatcher.dispatch_plan.sender == "encoder")
+        errata_lines = docstrings.errata_lines(self.device, interface)
         return InterfaceSection(
             interface=interface,
-            facts=facts.interface(interface),
-            notes=notes,
+            facts=facts.interface_record(interface),
+            errata_lines=errata_lines,
             layout_classes=layout_classes,
             dispatchers=tuple(dispatchers),
         )
 
     def _sender_dispatcher(
-        self, interface: Interface, plan: FrameDispatch, layout_classes: Sequence[LayoutClass]
+        self, interface: Interface, dispatch_plan: FrameDispatch, layout_classes: Sequence[LayoutClass]
     ) -> FrameDispatcher:
         """Return the function that decodes any frame from one sender, such as ``decode_reply``.
 
@@ -347,18 +353,18 @@ class Module:
         """
         # The frames with a selector need such a function.
         interfaces_with_dispatcher = {owner.name for owner, layout in self.device.layouts() if layout.selector}
-        kind = "reply" if plan.sender == "encoder" else "request"
+        request_or_reply = "reply" if dispatch_plan.sender == "encoder" else "request"
         if len(interfaces_with_dispatcher) > 1:
-            kind = f"{interface.name}_{kind}"
+            request_or_reply = f"{interface.name}_{request_or_reply}"
         class_by_frame = {layout_class.layout.name: layout_class for layout_class in layout_classes}
         dispatcher = FrameDispatcher(
-            plan=plan,
-            name=f"decode_{kind}",
-            union=camel(kind),
+            dispatch_plan=dispatch_plan,
+            name=f"decode_{request_or_reply}",
+            union_type=in_camel_case(request_or_reply),
             interface=interface_name(interface.name),
             encoder=encoder_name(interface.name),
-            layout_classes=tuple(class_by_frame[branch.layout.name] for branch in plan.branches),
-            fallback=class_by_frame[plan.fallback.name] if plan.fallback is not None else None,
+            layout_classes=tuple(class_by_frame[branch.layout.name] for branch in dispatch_plan.branches),
+            fallback=class_by_frame[dispatch_plan.fallback.name] if dispatch_plan.fallback is not None else None,
         )
         # Each decoder accepts the answers for all frames among which it is chosen.
         for layout_class in dispatcher.frame_classes:
@@ -368,9 +374,9 @@ class Module:
     def _register_class(self, register: Register) -> LayoutClass | Enumeration:
         """Return the class of a register, or if it consists only of one named value, its enumeration."""
         if not is_one_choice(register):
-            return LayoutClass(self.context, register.interface, register.layout, register)
+            return LayoutClass(self.device_names, register.interface, register.layout, register)
         summary, blocks = docstrings.describe_register(self.device, register)
-        name = self.context.registers[register.name]
+        name = self.device_names.class_name_by_register[register.name]
         doc = docstring(summary, *blocks, indent=4)
         return Enumeration(name, doc=doc, values=register.values, register=register)
 
@@ -397,20 +403,20 @@ class Module:
         layout_class = classes_with_position[0] if classes_with_position else replies[0]
         for dispatcher in section.dispatchers:
             # There is at most one dispatcher for each sender.
-            if dispatcher.plan.sender == "encoder":
+            if dispatcher.dispatch_plan.sender == "encoder":
                 return FrameKind(
                     interface=interface,
                     layout_class=layout_class,
-                    dispatch=dispatcher.name,
-                    union=dispatcher.union,
+                    dispatch_function=dispatcher.name,
+                    union_type=dispatcher.union_type,
                     questions=dispatcher.questions,
                     frame_classes=dispatcher.frame_classes,
                 )
         return FrameKind(
             interface=interface,
             layout_class=layout_class,
-            dispatch="",
-            union="",
+            dispatch_function="",
+            union_type="",
             questions=layout_class.questions,
             frame_classes=(layout_class,),
         )

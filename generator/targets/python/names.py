@@ -13,7 +13,7 @@ from ...plan.crcs import CoveredData, CrcFunction, crc_functions, kinds_of_cover
 from ...plan.values import is_named, meaning_of
 from ...plan.verdicts import ReportsAndVerdict, reportings
 from ...say.text import as_sentence
-from .literals import ParameterExpressions, coded
+from .literals import ExpressionTranslator, coded
 
 #: Names that can be imported, by the module that has them: ``{"enum": ("Enum", "IntEnum")}``.
 Sources = Mapping[str, Sequence[str]]
@@ -21,21 +21,21 @@ Sources = Mapping[str, Sequence[str]]
 Imports = list[list[tuple[str, list[str]]]]
 
 
-def imports_of(text: str, *groups: Sources) -> Imports:
+def imports_of(module_code: str, *groups: Sources) -> Imports:
     """Return the imports that the code of a module needs, in groups: ``[[("enum", ["Enum", "IntEnum"])], …]``.
 
     ``groups`` are the names that can be imported, such as names of the standard library and of the package. Groups
     without imports are left out.
     """
-    used_names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
+    used_names = {node.id for node in ast.walk(ast.parse(module_code)) if isinstance(node, ast.Name)}
     imports_by_group = (list(_used_imports(sources, used_names)) for sources in groups)
     return [imports for imports in imports_by_group if imports]
 
 
-def _used_imports(sources: Sources, used: Set[str]) -> Iterator[tuple[str, list[str]]]:
+def _used_imports(sources: Sources, names_in_code: Set[str]) -> Iterator[tuple[str, list[str]]]:
     """Yield each module with its names that the code uses, without modules of which it uses none."""
     for module, names in sources.items():
-        used_names = [name for name in names if name in used]
+        used_names = [name for name in names if name in names_in_code]
         if used_names:
             yield module, used_names
 
@@ -156,24 +156,24 @@ PROCEDURE_NAMES = (*FUNCTIONS, "dict", "enumerate", "first_steps", "isinstance",
 _BUILT_IN = frozenset("bool bytes classmethod float int isinstance property staticmethod str super tuple".split())
 
 
-def attribute(name: str, reserved: Iterable[str] = ()) -> str:
+def python_name(name: str, reserved_names: Iterable[str] = ()) -> str:
     """Return the name of an attribute or argument. The name has a trailing underscore if it is reserved."""
-    return f"{name}_" if keyword.iskeyword(name) or name in _BUILT_IN or name in reserved else name
+    return f"{name}_" if keyword.iskeyword(name) or name in _BUILT_IN or name in reserved_names else name
 
 
-def camel(name: str) -> str:
+def in_camel_case(name: str) -> str:
     """Return ``single_cycle_data`` as ``SingleCycleData``."""
     return "".join(part[:1].upper() + part[1:] for part in name.split("_"))
 
 
-def encoder_name(kind: str) -> str:
+def encoder_name(interface: str) -> str:
     """Return the encoder class for an interface."""
-    return f"{kind.capitalize()}Encoder"
+    return f"{interface.capitalize()}Encoder"
 
 
-def interface_name(kind: str) -> str:
+def interface_name(interface: str) -> str:
     """Return the module constant for an interface, which avoids the slow access to the Enum."""
-    return f"_{kind.upper()}"
+    return f"_{interface.upper()}"
 
 
 def meaning_limits(meaning: RegisterMeaning) -> str:
@@ -189,7 +189,7 @@ class ClassNames:
 
     def __init__(self, layout: Layout, register: Register | None, crcs: Iterable[str]) -> None:
         self._names_of_class = set(CLASS_NAMES)
-        self._names_of_class.update(f"from_{attribute(join.name, CLASS_NAMES)}" for join in layout.joins)
+        self._names_of_class.update(f"from_{python_name(join.name, CLASS_NAMES)}" for join in layout.joins)
         if register is not None:
             self._names_of_class.update(map(meaning_limits, register.meanings))
         if layout.unused or layout.gaps == "unspecified":
@@ -198,29 +198,29 @@ class ClassNames:
         for crc_function in crcs:
             self._names_of_locals |= {crc_function, f"{crc_function}_of_bits"}
 
-    def attribute(self, name: str) -> str:
+    def attribute_name(self, name: str) -> str:
         """Return the attribute for a field, for some of its decimal digits, or for a joined number."""
-        return attribute(name, self._names_of_class)
+        return python_name(name, self._names_of_class)
 
     def list_attributes(self, members: Iterable[Field | Digits], between: str = "") -> str:
         """Return a list of attributes in the form for docstrings."""
-        return between.join(f"``{self.attribute(member.name)}``" for member in members)
+        return between.join(f"``{self.attribute_name(member.name)}``" for member in members)
 
-    def local(self, name: str) -> str:
+    def variable_name(self, name: str) -> str:
         """Return the variable for the bits of a field."""
-        return attribute(name, self._names_of_locals)
+        return python_name(name, self._names_of_locals)
 
 
 class ModuleNames:
     """The names of classes and functions in a module. Each name is assigned only once."""
 
-    def __init__(self, reserved: Iterable[str]) -> None:
-        self._used_names = set(reserved)
+    def __init__(self, reserved_names: Iterable[str]) -> None:
+        self._used_names = set(reserved_names)
 
-    def assign(self, wanted: str, suffix: str) -> str:
-        """Return ``wanted`` if the name is free. Otherwise, add ``suffix``, and a number if that is also used."""
-        is_free = wanted not in self._used_names and not keyword.iskeyword(wanted)
-        unnumbered_name = wanted if is_free else f"{wanted}{suffix}"
+    def assign(self, wanted_name: str, suffix: str) -> str:
+        """Return ``wanted_name`` if the name is free. Otherwise, add ``suffix``, and a number if that is also used."""
+        is_free = wanted_name not in self._used_names and not keyword.iskeyword(wanted_name)
+        unnumbered_name = wanted_name if is_free else f"{wanted_name}{suffix}"
         name = unnumbered_name
         number = 2
         # The name with the suffix can also be in use.
@@ -247,15 +247,15 @@ def byte_order(owner: Layout | Register, field: Field | None = None) -> str:
     return "little" if owner.byte_order == "low_byte_first" else "big"
 
 
-def names_of(field: Field, values: Sequence[int]) -> str:
+def names_of(field: Field, numbers: Sequence[int]) -> str:
     """Return these values of a field with their names, such as ``1 is READ, 2 is WRITE``.
 
     The text is empty unless all of the values have a name.
     """
     name_by_value = {value.value: value.name.upper() for value in field.values}
-    if not name_by_value.keys() >= set(values):
+    if not name_by_value.keys() >= set(numbers):
         return ""
-    return ", ".join(f"{coded(value)} is {name_by_value[value]}" for value in values)
+    return ", ".join(f"{coded(value)} is {name_by_value[value]}" for value in numbers)
 
 
 def is_one_choice(register: Register) -> bool:
@@ -274,12 +274,12 @@ def _named_values(field: Field) -> _NamedValues:
 class OpenQuestion:
     """A question that the manual leaves open, as an argument of the functions that decode a frame.
 
-    ``name`` is the name of the argument, whose values are members of the Enum ``kind``. ``members`` are the parameters
-    that an answer sets, each with its attribute in the Enum.
+    ``name`` is the name of the argument, whose values are members of the Enum ``enum_name``. ``members`` are the
+    parameters that an answer sets, each with its attribute in the Enum.
     """
 
     alternative: Alternative
-    kind: str
+    enum_name: str
     name: str
     members: tuple[tuple[str, str], ...]
 
@@ -289,40 +289,45 @@ class OpenQuestion:
         return f"{as_sentence(self.alternative.meaning)} Required only for frames that depend on it."
 
 
-class ModuleContext:
+class DeviceNames:
     """A device, and the names of all parts of its module, in the order in which they are assigned."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
-        self.module = attribute(device.name, (*SHARED, *FOLDERS, BISS))
+        self.module_name = python_name(device.name, (*SHARED, *FOLDERS, BISS))
         #: Attributes of the variant, by parameter.
-        self.parameters = {parameter.name: attribute(parameter.name, VARIANT_NAMES) for parameter in device.parameters}
+        self.attribute_by_parameter = {
+            parameter.name: python_name(parameter.name, VARIANT_NAMES) for parameter in device.parameters
+        }
         names = ModuleNames([*MODULE_NAMES, *IMPORTED])
         #: Names of functions and classes, by the name of the part of the spec.
-        self.crcs = {crc.name: names.assign(f"crc_{crc.name}", suffix="_") for crc in device.crcs}
-        self.frames: dict[str, str] = {}
+        self.function_name_by_crc = {crc.name: names.assign(f"crc_{crc.name}", suffix="_") for crc in device.crcs}
+        self.class_name_by_frame: dict[str, str] = {}
         for _, layout in device.layouts():
-            self.frames[layout.name] = names.assign(camel(layout.name), suffix="Frame")
-        self.registers: dict[str, str] = {}
+            self.class_name_by_frame[layout.name] = names.assign(in_camel_case(layout.name), suffix="Frame")
+        self.class_name_by_register: dict[str, str] = {}
         for register in device.registers:
-            self.registers[register.name] = names.assign(camel(register.name), suffix="Register")
-        self.procedures: dict[str, str] = {}
+            self.class_name_by_register[register.name] = names.assign(in_camel_case(register.name), suffix="Register")
+        self.function_name_by_procedure: dict[str, str] = {}
         for procedure in device.procedures:
-            self.procedures[procedure.name] = names.assign(attribute(procedure.name), suffix="_steps")
-        self.questions = {question.name: self._open_question(question, names) for question in device.alternatives}
-        code_of_parameter = dict(self.scope_of("variant").names)
-        for question in self.questions.values():
+            self.function_name_by_procedure[procedure.name] = names.assign(python_name(procedure.name), suffix="_steps")
+        self.question_by_name = {
+            question.name: self._open_question(question, names) for question in device.alternatives
+        }
+        code_of_parameter = dict(self.translator_for("variant").code_by_parameter)
+        for question in self.question_by_name.values():
             if not question.alternative.default:
                 code_of_parameter |= {name: f"{question.name}.{member}" for name, member in question.members}
         #: Expressions for parameters: attributes of the variant, or of an answer that the caller must supply.
-        self.scope = ParameterExpressions(code_of_parameter)
-        self._enums = {
-            values: names.assign(camel(field.name), suffix="Value") for values, field in self.choices.items()
+        self.translator = ExpressionTranslator(code_of_parameter)
+        self._enum_name_by_values = {
+            values: names.assign(in_camel_case(field.name), suffix="Value")
+            for values, field in self.field_by_named_values.items()
         }
 
-    def scope_of(self, owner: str) -> ParameterExpressions:
+    def translator_for(self, owner: str) -> ExpressionTranslator:
         """Return how parameters are written as attributes of ``owner``, such as ``self.position_bits``."""
-        return ParameterExpressions({name: f"{owner}.{member}" for name, member in self.parameters.items()})
+        return ExpressionTranslator({name: f"{owner}.{member}" for name, member in self.attribute_by_parameter.items()})
 
     def _open_question(self, alternative: Alternative, names: ModuleNames) -> OpenQuestion:
         """Return a question as an argument whose name differs from all attributes of the frames that depend on it."""
@@ -334,17 +339,17 @@ class ModuleContext:
         parameters = alternative.answers[0].sets
         return OpenQuestion(
             alternative=alternative,
-            kind=names.assign(camel(alternative.name), suffix="Alternative"),
-            name=attribute(alternative.name, (*names_in_frames, *CLASS_NAMES, *LOCAL_NAMES, "frame")),
-            members=tuple((parameter, attribute(parameter, ("name", "value"))) for parameter in parameters),
+            enum_name=names.assign(in_camel_case(alternative.name), suffix="Alternative"),
+            name=python_name(alternative.name, (*names_in_frames, *CLASS_NAMES, *LOCAL_NAMES, "frame")),
+            members=tuple((parameter, python_name(parameter, ("name", "value"))) for parameter in parameters),
         )
 
     def questions_of(self, layout: Layout) -> list[OpenQuestion]:
         """Return the questions that must be answered to decode or encode a frame of this layout."""
-        return [self.questions[alternative.name] for alternative in self.device.alternatives_of(layout)]
+        return [self.question_by_name[alternative.name] for alternative in self.device.alternatives_of(layout)]
 
     @cached_property
-    def choices(self) -> dict[_NamedValues, Field]:
+    def field_by_named_values(self) -> dict[_NamedValues, Field]:
         """The first field with each name and set of named values. Fields with equal ones share an IntEnum."""
         fields_by_values: dict[_NamedValues, Field] = {}
         for layout in self.coded_layouts():
@@ -359,13 +364,13 @@ class ModuleContext:
         yield from (register.layout for register in self.device.registers if not is_one_choice(register))
 
     @cached_property
-    def reportings(self) -> dict[str, ReportsAndVerdict]:
+    def reports_by_frame(self) -> dict[str, ReportsAndVerdict]:
         """Reports and verdicts of frames, by the name of the frame."""
         return reportings(self.device)
 
-    def enum(self, field: Field) -> str:
+    def enum_name(self, field: Field) -> str:
         """Return the name of the IntEnum with the named values of a field."""
-        return self._enums[_named_values(field)]
+        return self._enum_name_by_values[_named_values(field)]
 
     @cached_property
     def crc_functions(self) -> dict[str, CrcFunction]:
@@ -379,7 +384,7 @@ class ModuleContext:
         """
         has_function_for_bytes = crc in self._crcs_of_both
         suffix = "_of_bits" if covered_data is CoveredData.BITS and has_function_for_bytes else ""
-        return self.crcs[crc.name] + suffix
+        return self.function_name_by_crc[crc.name] + suffix
 
     @cached_property
     def _crcs_of_both(self) -> list[Crc]:

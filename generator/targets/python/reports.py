@@ -10,7 +10,7 @@ from ...model.record import dataclass
 from ...plan.codec import LayoutPlan
 from ...plan.operations import FieldToDecode, Reserved
 from ...plan.verdicts import CodeCondition, MatchingValues, ReportCause, ReportsAndVerdict, VerdictCause
-from .literals import Atom, Not, ParameterExpressions, PythonExpression, PythonOperation, coded, join_operands, mask
+from .literals import Atom, ExpressionTranslator, Not, PythonExpression, PythonOperation, coded, join_operands, mask
 from .names import ClassNames
 
 
@@ -29,8 +29,8 @@ class VerdictStep:
 class FrameReports:
     """The reports of a frame, and its verdict, which says whether the position is usable.
 
-    ``reporting`` is None if the frame has no reports. For each parameter of the order code, ``parameters`` contains the
-    attribute of the variant, and ``meanings`` a sentence.
+    ``reporting`` is None if the frame has no reports. For each parameter of the order code, ``attribute_by_parameter``
+    contains the attribute of the variant, and ``meaning_by_parameter`` a sentence.
     """
 
     def __init__(
@@ -38,15 +38,15 @@ class FrameReports:
         reporting: ReportsAndVerdict | None,
         layout_plan: LayoutPlan,
         class_names: ClassNames,
-        parameters: Mapping[str, str],
-        meanings: Mapping[str, str],
+        attribute_by_parameter: Mapping[str, str],
+        meaning_by_parameter: Mapping[str, str],
     ) -> None:
         self._report_causes = reporting.causes if reporting is not None else ()
         self._verdict_rules = reporting.verdict_rules if reporting is not None else None
-        self._reserved = layout_plan.reserved
-        self._names = class_names
-        self._variant_attributes = parameters
-        self._parameter_meanings = meanings
+        self._unused_fields = layout_plan.reserved
+        self._class_names = class_names
+        self._attribute_by_parameter = attribute_by_parameter
+        self._meaning_by_parameter = meaning_by_parameter
 
     @property
     def _causes_by_verdict(self) -> Sequence[tuple[Verdict, Sequence[VerdictCause]]]:
@@ -74,24 +74,33 @@ class FrameReports:
         """
         if self._verdict_rules is None:
             return []
-        steps = []
+        verdict_steps: list[VerdictStep] = []
         explained_parameters: set[str] = set()
         for verdict, causes in self._causes_by_verdict:
-            simple_causes = [cause for cause in causes if _depends_on_frame_only(cause)]
-            if simple_causes:
-                reasons = list(dict.fromkeys(map(_meaning_while_active, simple_causes)))
-                steps.append(VerdictStep(verdict.name, self._conditions_of_causes(simple_causes), reasons))
-            for cause in causes:
-                if not _depends_on_frame_only(cause):
-                    conditions = self._conditions_of_causes([cause], in_parentheses=False)
-                    reasons = list(self._reasons_for_conditions(cause, explained_parameters))
-                    steps.append(VerdictStep(verdict.name, conditions, [_meaning_while_active(cause), *reasons]))
+            verdict_steps += self._steps_of_verdict(verdict, causes, explained_parameters)
         if self._verdict_rules.may_be_unknown:
             conditions = [self._has_no_judging_bits(self._verdict_rules.judging_bits)]
             reason = "With this order code, all bits that judge the position are left out."
-            steps.append(VerdictStep(Verdict.UNKNOWN.name, conditions, [reason]))
+            verdict_steps.append(VerdictStep(Verdict.UNKNOWN.name, conditions, [reason]))
         worst_first = [verdict.name for verdict in Verdict]
-        return sorted(steps, key=lambda step: worst_first.index(step.verdict))
+        return sorted(verdict_steps, key=lambda verdict_step: worst_first.index(verdict_step.verdict))
+
+    def _steps_of_verdict(
+        self, verdict: Verdict, causes: Sequence[VerdictCause], explained_parameters: set[str]
+    ) -> Iterator[VerdictStep]:
+        """Yield a step for all causes that depend only on the frame, and one for each other cause.
+
+        ``explained_parameters`` are the parameters whose meaning a comment has explained so far.
+        """
+        simple_causes = [cause for cause in causes if _depends_on_frame_only(cause)]
+        if simple_causes:
+            reasons = list(dict.fromkeys(map(_meaning_while_active, simple_causes)))
+            yield VerdictStep(verdict.name, self._conditions_of_causes(simple_causes), reasons)
+        for cause in causes:
+            if not _depends_on_frame_only(cause):
+                conditions = self._conditions_of_causes([cause], in_parentheses=False)
+                reasons = [_meaning_while_active(cause), *self._reasons_for_conditions(cause, explained_parameters)]
+                yield VerdictStep(verdict.name, conditions, reasons)
 
     def _reasons_for_conditions(self, cause: VerdictCause, explained_parameters: set[str]) -> Iterator[str]:
         """Yield comments on the other conditions of a cause: parameters, and flags that decide instead of it.
@@ -99,12 +108,12 @@ class FrameReports:
         A parameter is explained only once. ``explained_parameters`` is the record of these.
         """
         for parameter in dict.fromkeys(condition.parameter for condition in cause.conditions):
-            meaning = self._parameter_meanings.get(parameter)
+            meaning = self._meaning_by_parameter.get(parameter)
             if meaning and parameter not in explained_parameters:
                 explained_parameters.add(parameter)
-                yield f"{self._variant_attributes[parameter]}: {meaning}"
+                yield f"{self._attribute_by_parameter[parameter]}: {meaning}"
         if cause.unless:
-            flags = " or ".join(self._names.attribute(flag.field.name) for flag in cause.unless)
+            flags = " or ".join(self._class_names.attribute_name(flag.field.name) for flag in cause.unless)
             yield f"It combines several flags. While {flags} is active, that flag decides instead."
 
     @property
@@ -125,9 +134,9 @@ class FrameReports:
 
         ``judging_bits`` is the number of such bits. An example is ``self.variant.has_flags == 0``.
         """
-        attributes = self._variant_attributes.items()
+        attributes = self._attribute_by_parameter.items()
         code_of_parameter = {parameter: f"self.variant.{attribute}" for parameter, attribute in attributes}
-        return f"{ParameterExpressions(code_of_parameter).expression_of(judging_bits).operand} == 0"
+        return f"{ExpressionTranslator(code_of_parameter).to_python(judging_bits).operand} == 0"
 
     # -- reports
 
@@ -172,30 +181,30 @@ class FrameReports:
         else:
             conditions = [self._read_attribute(flag_or_match)]
         for code_condition in cause.conditions:
-            parameter = f"self.variant.{self._variant_attributes[code_condition.parameter]}"
-            conditions.append(condition_on_parameter(code_condition, parameter))
+            parameter_code = f"self.variant.{self._attribute_by_parameter[code_condition.parameter]}"
+            conditions.append(condition_on_parameter(code_condition, parameter_code))
         if cause.unless:
             combined_flags = [self._read_attribute(flag) for flag in cause.unless]
             conditions.append(Not(join_operands("or", combined_flags)))
         return join_operands("and", conditions)
 
-    def _has_values(self, match: MatchingValues) -> list[PythonExpression]:
+    def _has_values(self, matching_values: MatchingValues) -> list[PythonExpression]:
         """Return a condition for each value of a match, such as ``self.mode == 3``, or ``not self.ready`` for a flag.
 
         The value of a flag is 1 while it is active.
         """
         conditions: list[PythonExpression] = []
-        for decoded_field, value in match.conditions:
-            attribute = self._read_attribute(decoded_field)
+        for decoded_field, value in matching_values.conditions:
+            attribute_code = self._read_attribute(decoded_field)
             if not isinstance(decoded_field.field.kind, Flag):
-                conditions.append(Atom(f"{attribute} == {coded(value)}"))
+                conditions.append(Atom(f"{attribute_code} == {coded(value)}"))
             elif value:
-                conditions.append(attribute)
+                conditions.append(attribute_code)
             else:
-                conditions.append(Not(attribute))
+                conditions.append(Not(attribute_code))
         return conditions
 
-    def _differs_in(self, reserved: Sequence[Reserved]) -> PythonExpression:
+    def _differs_in(self, unused_fields: Sequence[Reserved]) -> PythonExpression:
         """Return the condition that a bit of these unused fields differs from the manual: ``self.unused & 0xC``.
 
         If they are all unused fields of the frame, the condition is ``self.unused``.
@@ -203,14 +212,14 @@ class FrameReports:
         # The attribute is a mask of the differing bits: the decoder already compared them with the manual.
         differing_bits = Atom("self.unused")
         # No two masks have a bit in common, so that their sum has the bits of all.
-        mask_of_all = sum(unused_field.mask for unused_field in self._reserved)
-        mask_of_fields = sum(unused_field.mask for unused_field in reserved)
+        mask_of_all = sum(unused_field.mask for unused_field in self._unused_fields)
+        mask_of_fields = sum(unused_field.mask for unused_field in unused_fields)
         are_all = mask_of_fields == mask_of_all
         return differing_bits if are_all else PythonOperation(differing_bits, "&", mask(mask_of_fields))
 
     def _read_attribute(self, decoded_field: FieldToDecode) -> PythonExpression:
         """Return the code that reads the attribute of a field, such as ``self.error``."""
-        return Atom(f"self.{self._names.attribute(decoded_field.field.name)}")
+        return Atom(f"self.{self._class_names.attribute_name(decoded_field.field.name)}")
 
 
 def _depends_on_frame_only(cause: VerdictCause) -> bool:
@@ -222,18 +231,18 @@ def _meaning_while_active(cause: VerdictCause) -> str:
     """Return a comment with the meaning of an active flag or differing bit: ``error: position data is invalid.``"""
     if isinstance(cause.cause, Reserved):
         return "unused: bits that the manual leaves unused differ from it."
-    flag = cause.cause.field
-    meaning = flag.meaning
-    if isinstance(flag.kind, Flag) and flag.kind.when_active:
-        meaning = flag.kind.when_active
+    flag_field = cause.cause.field
+    meaning = flag_field.meaning
+    if isinstance(flag_field.kind, Flag) and flag_field.kind.when_active:
+        meaning = flag_field.kind.when_active
     # Texts of the spec can have several lines.
     meaning_on_one_line = " ".join(meaning.split()) or "active"
-    return f"{flag.name}: {meaning_on_one_line.rstrip('.')}."
+    return f"{flag_field.name}: {meaning_on_one_line.rstrip('.')}."
 
 
-def condition_on_parameter(code_condition: CodeCondition, parameter: str) -> PythonExpression:
-    """Return a condition on the order code. ``parameter`` is the code that reads its parameter.
+def condition_on_parameter(code_condition: CodeCondition, parameter_code: str) -> PythonExpression:
+    """Return a condition on the order code. ``parameter_code`` is the code that reads its parameter.
 
     The parameter must not be 0 if ``code_condition.holds`` is True. Otherwise, the condition is ``not parameter``.
     """
-    return Atom(parameter) if code_condition.holds else Not(Atom(parameter))
+    return Atom(parameter_code) if code_condition.holds else Not(Atom(parameter_code))

@@ -27,7 +27,7 @@ from .literals import (
     join_operands,
     literal,
     literal_call,
-    record,
+    record_call,
 )
 from .names import byte_order
 from .reports import condition_on_parameter
@@ -59,8 +59,8 @@ class ShapeLiteral:
 
     def __init__(self, layout_class: LayoutClass, reporting: ReportsAndVerdict | None) -> None:
         self.layout_class = layout_class
-        self.plan = layout_class.plan
-        self._description = describe(layout_class.plan, reporting)
+        self.layout_plan = layout_class.layout_plan
+        self._description = describe(layout_class.layout_plan, reporting)
         prefix = "register_" if layout_class.register is not None else ""
         self.name = f"shape_of_{prefix}{layout_class.layout.name}"
 
@@ -78,25 +78,26 @@ class ShapeLiteral:
         yield "order", description.order
         yield "exchanged_bytes", description.exchanged_bytes
         yield "columns", self._value_columns()
-        yield from self._other_rows()
+        yield from self._members_with_rows()
         yield "crc", self._crc_of_encoder(description.crcs)
         yield from self._gray_members()
         yield "fixed", self._constant_bits()
         yield "position", layout_class.position_attribute
-        if self.plan.keeps_undefined_bits:
-            yield "kept_mask", SourceText(str(mask_without_field(layout_class.context.scope, self.plan)))
+        if self.layout_plan.keeps_undefined_bits:
+            kept_mask = mask_without_field(layout_class.device_names.translator, self.layout_plan)
+            yield "kept_mask", SourceText(str(kept_mask))
         if layout_class.register is not None and layout_class.limited_attribute:
             yield "limited", (layout_class.register.limits_of, layout_class.limited_attribute)
         yield "default_verdict", self._default_verdict()
-        yield "frame", self._frame_with_special_range()
+        yield "frame", self._name_of_frame_with_special_range()
 
     def _value_columns(self) -> tuple[CallLiteral, ...]:
         """Return the call that creates a column for each field with a value."""
-        names_with_value = {part.field.name for part in self.plan.decoded_fields}
+        names_with_value = {decoded_field.field.name for decoded_field in self.layout_plan.decoded_fields}
         columns = (column for column in self._description.columns if column.name in names_with_value)
         return tuple(map(self._column_call, columns))
 
-    def _other_rows(self) -> Iterator[tuple[str, Literal]]:
+    def _members_with_rows(self) -> Iterator[tuple[str, Literal]]:
         """Yield the members with several items, except the columns, with their names in the runtime."""
         for name in _PLANNED_ROWS:
             # The class of a register checks its values.
@@ -123,7 +124,9 @@ class ShapeLiteral:
     def _constant_bits(self) -> SourceText | None:
         """Return the constants at their places, such as ``(0x3 << 4) | (0x1 << 20)``, or None without any."""
         constants = self._description.fixed
-        terms = [f"{value:#x} << {self.layout_class.number(bits.low)}" for bits, value in constants]
+        terms = [
+            f"{value:#x} << {self.layout_class.to_python(constant_bits.low)}" for constant_bits, value in constants
+        ]
         if not terms:
             return None
         if len(terms) == 1:
@@ -140,11 +143,11 @@ class ShapeLiteral:
         # The number of these bits is only in the description if it depends on the order code.
         if self._description.judging_bits is None:
             return verdict
-        judging_bits = self.layout_class.number(self._description.judging_bits)
+        judging_bits = self.layout_class.to_python(self._description.judging_bits)
         unknown = self._literal_of(Verdict.UNKNOWN)
         return SourceText(f"{literal(verdict)} if {judging_bits} else {literal(unknown)}")
 
-    def _frame_with_special_range(self) -> str:
+    def _name_of_frame_with_special_range(self) -> str:
         """Return the name of the frame if its range of positions differs from that of other frames, or else "".
 
         A range in which the position never wraps around also counts as different.
@@ -152,8 +155,8 @@ class ShapeLiteral:
         layout_class = self.layout_class
         if layout_class.register is not None or not layout_class.position_attribute:
             return ""
-        interface = layout_class.context.device.interface(layout_class.layout_interface)
-        ranges = position_ranges(layout_class.context.device, interface)
+        interface = layout_class.device_names.device.interface(layout_class.layout_interface)
+        ranges = position_ranges(layout_class.device_names.device, interface)
         is_special = len(ranges) > 1 or any(position_range.never_wraps for position_range in ranges)
         return layout_class.layout.name if is_special else ""
 
@@ -165,14 +168,14 @@ class ShapeLiteral:
         """
         layout_class = self.layout_class
         field = layout_class.layout.field(column.name)
-        name_in_messages = column.name if column.name != layout_class.names.attribute(column.name) else ""
+        name_in_messages = column.name if column.name != layout_class.class_names.attribute_name(column.name) else ""
         valid_values: Literal = None
         if layout_class.selects(field):
             valid_values = allowed_values(layout_class.layout, field)
         elif is_named(meaning_of(field)):
-            valid_values = SourceText(layout_class.enum(field))
+            valid_values = SourceText(layout_class.enum_name(field))
         arguments = dict(self._call_of(column).arguments)
-        return record("Column", arguments, field=name_in_messages, values=valid_values)
+        return record_call("Column", arguments, field=name_in_messages, values=valid_values)
 
     def _crc_of_encoder(self, crcs: Sequence[FrameCrc]) -> Literal:
         """Return the code for the CRC of a frame, or None if the frame has no CRC.
@@ -187,7 +190,7 @@ class ShapeLiteral:
             return self._crc_call(crcs[0])
         crcs_of_encoder = []
         for crc in crcs:
-            width = str(self.layout_class.number(crc.field.width))
+            width = str(self.layout_class.to_python(crc.field.width))
             crcs_of_encoder.append(ConditionalItem(self._crc_call(crc), width))
         iterator = literal_call("iter", tuple(crcs_of_encoder))
         return literal_call("next", iterator, SourceText("None"))
@@ -196,22 +199,22 @@ class ShapeLiteral:
         """Return the call that describes a CRC: the function that checks one frame, and the steps for many frames."""
         crc = frame_crc.crc
         layout_class = self.layout_class
-        members: dict[str, Literal] = {"low": self._literal_of(frame_crc.bits.low), "width": crc.width}
+        arguments: dict[str, Literal] = {"low": self._literal_of(frame_crc.bits.low), "width": crc.width}
         if layout_class.layout.crc_covers_bytes:
             layout = layout_class.layout
-            place_arguments = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(layout)}"'
+            place_arguments = f'length={self.layout_plan.length}, width={crc.width // 8}, order="{byte_order(layout)}"'
             if layout.exchanged_bytes:
                 place_arguments += f", exchanged_bytes={layout.exchanged_bytes}"
-            members["differs"] = SourceText(f"compare_bytes({layout_class.crc_name(frame_crc)}, {place_arguments})")
+            arguments["differs"] = SourceText(f"compare_bytes({layout_class.crc_name(frame_crc)}, {place_arguments})")
             if crc.is_xor:
-                members |= {"xorout": crc.xorout, "is_xor": True}
+                arguments |= {"xorout": crc.xorout, "is_xor": True}
         else:
             gap = f", gap={frame_crc.bits_between}" if frame_crc.bits_between else ""
-            place_arguments = f"covered={layout_class.number(frame_crc.covered)}, width={crc.width}{gap}"
-            members["differs"] = SourceText(f"compare_bits({layout_class.crc_name(frame_crc)}, {place_arguments})")
+            place_arguments = f"covered={layout_class.to_python(frame_crc.covered)}, width={crc.width}{gap}"
+            arguments["differs"] = SourceText(f"compare_bits({layout_class.crc_name(frame_crc)}, {place_arguments})")
             if frame_crc.steps:
-                members |= {"xorout": crc.xorout, "steps": _fold_steps(frame_crc)}
-        return CallLiteral("CrcOf", tuple(members.items()))
+                arguments |= {"xorout": crc.xorout, "steps": _fold_steps(frame_crc)}
+        return CallLiteral("CrcOf", tuple(arguments.items()))
 
     # -- any value of the description
 
@@ -219,9 +222,9 @@ class ShapeLiteral:
         """Return any value in the description of a frame as a literal. A part with members becomes a record."""
         match value:
             case Expression():
-                return SourceText(str(self.layout_class.number(value)))
+                return SourceText(str(self.layout_class.to_python(value)))
             case Name():
-                return self.layout_class.names.attribute(value)
+                return self.layout_class.class_names.attribute_name(value)
             case Enum():
                 enumeration = "ErrorKind" if isinstance(value, Fault) else type(value).__name__
                 return EnumMember(enumeration, value.name)
@@ -253,7 +256,7 @@ class ShapeLiteral:
 
     def _read_parameter(self, parameter: str) -> str:
         """Return the code that reads a parameter of the order code, such as ``variant.position_bits``."""
-        return f"variant.{self.layout_class.context.parameters[parameter]}"
+        return f"variant.{self.layout_class.device_names.attribute_by_parameter[parameter]}"
 
     def _call_of(self, description_part: Any) -> CallLiteral:
         """Return the call of the class in the runtime for a part of the description.
@@ -281,4 +284,6 @@ class ShapeLiteral:
 def _fold_steps(frame_crc: FrameCrc) -> tuple[CallLiteral, ...]:
     """Return the steps that compute a CRC without a table, such as ``Fold(shift=8, mask=0x3F, back=2)``."""
     steps = frame_crc.steps
-    return tuple(record("Fold", {"shift": step.shift, "mask": Hex(step.mask), "back": step.back}) for step in steps)
+    return tuple(
+        record_call("Fold", {"shift": step.shift, "mask": Hex(step.mask), "back": step.back}) for step in steps
+    )

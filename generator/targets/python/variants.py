@@ -22,7 +22,7 @@ from ...plan.values import (
 from ...say.order_code import words_for_initial_values
 from . import docstrings
 from .codec import LayoutClass
-from .facts import held_record
+from .facts import record_of_held_parameter
 from .frame_kinds import ChannelCode, FrameKind, channel_code
 from .literals import (
     Atom,
@@ -33,7 +33,7 @@ from .literals import (
     join_operands,
     number,
 )
-from .names import FUNCTIONS, ClassNames, ModuleContext, OpenQuestion, attribute, camel, encoder_name
+from .names import FUNCTIONS, ClassNames, DeviceNames, OpenQuestion, encoder_name, in_camel_case, python_name
 
 
 @dataclass(frozen=True)
@@ -52,17 +52,17 @@ class VariantTable:
     """The order codes of one module, and the members of their class, as the template prints them."""
 
     def __init__(
-        self, context: ModuleContext, frame_kinds: tuple[FrameKind, ...], layout_classes: tuple[LayoutClass, ...]
+        self, device_names: DeviceNames, frame_kinds: tuple[FrameKind, ...], layout_classes: tuple[LayoutClass, ...]
     ) -> None:
-        self.context = context
-        self.device = context.device
+        self.device_names = device_names
+        self.device = device_names.device
         self.frame_kinds = frame_kinds
         self.sent_frames = [layout_class for layout_class in layout_classes if layout_class.layout.sender == "encoder"]
         #: True if any frame has a verdict.
         self.has_verdict = any(
             layout_class.reports is not None and layout_class.reports.default_verdict for layout_class in layout_classes
         )
-        self._scope = context.scope_of("self")
+        self._translator = device_names.translator_for("self")
         self.rows = [self._build_row(variant) for variant in self.device.variants]
 
     def _build_row(self, variant: Variant) -> CallLiteral:
@@ -70,15 +70,16 @@ class VariantTable:
         texts_of_parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
         arguments: list[tuple[str, Literal]] = [("", variant.code), ("", texts_of_parts)]
         for parameter in self.device.set_parameters:
-            arguments.append((self.context.parameters[parameter.name], variant.parameters[parameter.name]))
+            attribute_name = self.device_names.attribute_by_parameter[parameter.name]
+            arguments.append((attribute_name, variant.parameters[parameter.name]))
         return CallLiteral(encoder_name(variant.interface), tuple(arguments))
 
     # -- the class of the variants
 
     @property
-    def names(self) -> list[str]:
+    def parameter_attributes(self) -> list[str]:
         """The attributes of the parameters that order codes set, in the order of the arguments."""
-        return [self.context.parameters[parameter.name] for parameter in self.device.set_parameters]
+        return [self.device_names.attribute_by_parameter[parameter.name] for parameter in self.device.set_parameters]
 
     @property
     def interfaces_with_requests(self) -> list[str]:
@@ -95,11 +96,11 @@ class VariantTable:
         # The layout of a request is not the layout of a register, and names of CRC functions do not matter for
         # attributes.
         class_names = ClassNames(exchange.request, register=None, crcs=())
-        return [(class_names.attribute(name), default) for name, default in exchange.defaults.items()]
+        return [(class_names.attribute_name(name), default) for name, default in exchange.defaults.items()]
 
     def channels(self, interface: Interface) -> ChannelCode | None:
         """Return the code for the frame with all data channels of an interface, or None if frames have one channel."""
-        return channel_code(self.context, interface, self._scope)
+        return channel_code(self.device_names, interface, self._translator)
 
     @property
     def beginnings(self) -> tuple[str, ...]:
@@ -112,7 +113,7 @@ class VariantTable:
         listed_codes = []
         for interface in self.device.interfaces:
             codes = tuple(variant.code for variant in self.device.variants_over(interface.name))
-            type_name = f"{camel(self.context.module)}{interface.name.capitalize()}"
+            type_name = f"{in_camel_case(self.device_names.module_name)}{interface.name.capitalize()}"
             if codes:
                 listed_codes.append(ListedCodes(type_name, encoder_name(interface.name), codes))
         return listed_codes
@@ -120,7 +121,7 @@ class VariantTable:
     @property
     def doc(self) -> str:
         """The docstring of the class."""
-        return docstrings.describe_variant(self.device, self.context.parameters)
+        return docstrings.describe_variant(self.device, self.device_names.attribute_by_parameter)
 
     @property
     def derived_parameters(self) -> list[tuple[str, list[docstrings.Block], PythonExpression]]:
@@ -133,9 +134,9 @@ class VariantTable:
         names_in_measurement = parameters_in_measurement(self.device)
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in names_in_measurement:
-                attribute_name = self.context.parameters[parameter.name]
-                about = docstrings.describe_derived_parameter(self.device, parameter)
-                derived.append((attribute_name, about, self._scope.expression_of(parameter.equals)))
+                attribute_name = self.device_names.attribute_by_parameter[parameter.name]
+                paragraphs = docstrings.describe_derived_parameter(self.device, parameter)
+                derived.append((attribute_name, paragraphs, self._translator.to_python(parameter.equals)))
         return derived
 
     # -- units of positions
@@ -146,7 +147,7 @@ class VariantTable:
         for interface in self.device.interfaces:
             measurement = self._measurement_of(interface)
             if measurement is not None:
-                return attribute(measurement.of, (*FUNCTIONS, "previous", "self", "unwrap"))
+                return python_name(measurement.of, (*FUNCTIONS, "previous", "self", "unwrap"))
         return ""
 
     def _measurement_of(self, interface: Interface) -> Measurement | None:
@@ -155,7 +156,7 @@ class VariantTable:
 
     def _code_of(self, value: Expression | None) -> PythonExpression | None:
         """Return an expression of the spec in Python, such as ``1 << self.bits``, or None for None."""
-        return self._scope.expression_of(value) if value is not None else None
+        return self._translator.to_python(value) if value is not None else None
 
     def _cases_by_interface(
         self, quantity_of: Callable[[Measurement], PythonExpression | None]
@@ -190,13 +191,13 @@ class VariantTable:
     def per_counts(self) -> ByInterface[PythonExpression]:
         """Number of counts to which ``step_nm`` applies. There are no cases if it is 1 everywhere."""
 
-        def counts_of(measurement: Measurement) -> PythonExpression | None:
+        def count_expression(measurement: Measurement) -> PythonExpression | None:
             if measurement.step_nm is None:
                 return None
             return self._code_of(measurement.per_counts or Expression(1))
 
-        cases = self._cases_by_interface(counts_of)
-        is_one_everywhere = all(number_of_counts == number(1) for number_of_counts, _ in cases.values_with_interfaces)
+        cases = self._cases_by_interface(count_expression)
+        is_one_everywhere = all(count == number(1) for count, _ in cases.values_with_interfaces)
         return replace(cases, values_with_interfaces=()) if is_one_everywhere else cases
 
     @cached_property
@@ -206,7 +207,7 @@ class VariantTable:
 
     def _modulus_expression(self, measurement: Measurement) -> PythonExpression | None:
         """Return the number of counts after which a position wraps around, or None if the spec does not give it."""
-        factors = [*map(self._scope.expression_of, count_factors(measurement))]
+        factors = [*map(self._translator.to_python, count_factors(measurement))]
         return join_operands("*", factors) if factors else None
 
     def _only_range(self, interface: Interface) -> PositionRange | None:
@@ -256,12 +257,12 @@ class VariantTable:
         """
         if interface.name not in self.interfaces_with_frame_ranges:
             return []
-        ranges: list[tuple[str, Sequence[PythonExpression | None]]] = []
+        values_by_frame: list[tuple[str, Sequence[PythonExpression | None]]] = []
         for position_range in position_ranges(self.device, interface):
             if position_range.has_difference:
                 layouts = position_range.layouts
-                ranges += [(layout.name, self._range_values(position_range, layout)) for layout in layouts]
-        return ranges
+                values_by_frame += [(layout.name, self._range_values(position_range, layout)) for layout in layouts]
+        return values_by_frame
 
     def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[PythonExpression | None, ...]:
         """Return the lowest and the highest position in a frame, and the modulus, or None if it never wraps.
@@ -295,26 +296,26 @@ class VariantTable:
             return stated_highest
         modulus = self._modulus_expression(measurement)
         position_fields = [layout.field(name) for name in layout.field_names_of(measurement.of)]
-        width = sum((field.width for field in position_fields), Expression(0))
-        number_of_values = modulus if modulus is not None else self._power_of_two(width)
-        return PythonOperation(number_of_values, "-", number(1))
+        bit_count = sum((field.width for field in position_fields), Expression(0))
+        value_count = modulus if modulus is not None else self._power_of_two(bit_count)
+        return PythonOperation(value_count, "-", number(1))
 
     def _power_of_two(self, exponent: Expression) -> PythonExpression:
         """Return two to the power of ``exponent``."""
         if exponent.is_constant:
             return number(1 << exponent.constant)
-        return PythonOperation(number(1), "<<", self._scope.expression_of(exponent))
+        return PythonOperation(number(1), "<<", self._translator.to_python(exponent))
 
     def _highest_signed(self, position_range: PositionRange) -> PythonExpression:
         """Return the highest signed position: the value in the spec, or else the highest that fits in the field."""
-        field = position_range.signed_field
-        assert field is not None
+        signed_field = position_range.signed_field
+        assert signed_field is not None
         stated_highest = position_range.measurement.highest
         if stated_highest is not None:
-            return self._scope.expression_of(stated_highest)
-        if field.width.is_constant:
-            return number((1 << (field.widest - 1)) - 1)
-        width_without_sign = field.width - Expression(1)
+            return self._translator.to_python(stated_highest)
+        if signed_field.width.is_constant:
+            return number((1 << (signed_field.widest - 1)) - 1)
+        width_without_sign = signed_field.width - Expression(1)
         return PythonOperation(self._power_of_two(width_without_sign), "-", number(1))
 
     @cached_property
@@ -329,7 +330,7 @@ class VariantTable:
                 return Atom("-self.highest - 1")
             return Atom("self.highest - self.modulus + 1")
 
-        return self._ends_by_interface(lowest_of, number(0))
+        return self._ends_by_interface(lowest_of, usual_end=number(0))
 
     @cached_property
     def highest(self) -> ByInterface[PythonExpression] | None:
@@ -357,24 +358,24 @@ class VariantTable:
         return False
 
     def _ends_by_interface(
-        self, end_of: Callable[[PositionRange], PythonExpression | None], usual: PythonExpression
+        self, end_of_range: Callable[[PositionRange], PythonExpression | None], usual_end: PythonExpression
     ) -> ByInterface[PythonExpression] | None:
-        """Return the lowest or the highest position by interface, or None if it is ``usual`` over all interfaces.
+        """Return the lowest or the highest position by interface, or None if it is ``usual_end`` over all interfaces.
 
-        ``usual`` is 0 for the lowest position, and ``self.modulus - 1`` for the highest. ``end_of`` returns the lowest
-        or highest position of a range, or None if that is ``usual``. If the frames of an interface differ in range, the
-        result is not None.
+        ``usual_end`` is 0 for the lowest position, and ``self.modulus - 1`` for the highest. ``end_of_range`` returns
+        the lowest or highest position of a range, or None if that is ``usual_end``. If the frames of an interface
+        differ in range, the result is not None.
         """
 
         def end_over(interface: Interface) -> PythonExpression | None:
             only_range = self._only_range(interface)
             if only_range is None:
                 return None
-            return end_of(only_range) or usual
+            return end_of_range(only_range) or usual_end
 
         ends = by_interface(self.device, end_over)
-        are_usual = all(position == usual for position, _ in ends.values_with_interfaces)
-        is_usual = not self.interfaces_with_frame_ranges and are_usual
+        are_all_usual = all(position == usual_end for position, _ in ends.values_with_interfaces)
+        is_usual = not self.interfaces_with_frame_ranges and are_all_usual
         return None if is_usual else ends
 
     @property
@@ -392,10 +393,10 @@ class VariantTable:
     def frame_bits(self) -> ByInterface[PythonExpression]:
         """The number of bits in a frame by interface, if frames are strings of bits of known length."""
         bits_by_interface: dict[str, Expression] = {}
-        for kind in self.frame_kinds:
-            has_known_bits = not kind.in_bytes and not kind.has_open_length
+        for frame_kind in self.frame_kinds:
+            has_known_bits = not frame_kind.in_bytes and not frame_kind.has_open_length
             if has_known_bits:
-                bits_by_interface[kind.interface] = kind.layout_class.layout.bits
+                bits_by_interface[frame_kind.interface] = frame_kind.layout_class.layout.bits
         return by_interface(self.device, lambda interface: self._code_of(bits_by_interface.get(interface.name)))
 
     # -- answers with a default
@@ -404,7 +405,7 @@ class VariantTable:
     def answers(self) -> list[OpenQuestion]:
         """The open questions with a default answer, which applies unless the user chooses another."""
         optional = self.device.optional_alternatives
-        return [self.context.questions[alternative.name] for alternative in optional]
+        return [self.device_names.question_by_name[alternative.name] for alternative in optional]
 
     @property
     def example_code(self) -> str:
@@ -422,19 +423,20 @@ class VariantTable:
 
     def answered_parameters(self, question: OpenQuestion) -> list[tuple[str, str]]:
         """Return the attribute of each parameter that an answer sets, with its attribute in the Enum of answers."""
-        return [(self.context.parameters[name], member) for name, member in question.members]
+        return [(self.device_names.attribute_by_parameter[name], member) for name, member in question.members]
 
     # -- parameters in registers
 
     @cached_property
     def held_records(self) -> list[tuple[str, CallLiteral]]:
         """The parameters that are read from registers: the attribute of the variant, and the record of each."""
-        records: list[tuple[str, CallLiteral]] = []
+        names_and_records: list[tuple[str, CallLiteral]] = []
         for holding_register in held_parameters(self.device):
             for held_parameter in holding_register.parameters:
-                attribute_name = self.context.parameters[held_parameter.parameter.name]
-                records.append((attribute_name, held_record(self.context, holding_register.register, held_parameter)))
-        return records
+                attribute_name = self.device_names.attribute_by_parameter[held_parameter.parameter.name]
+                record = record_of_held_parameter(self.device_names, holding_register.register, held_parameter)
+                names_and_records.append((attribute_name, record))
+        return names_and_records
 
     @property
     def initial_values(self) -> str:
