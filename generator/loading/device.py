@@ -145,16 +145,11 @@ def _build_context(
     raw_groups = raw_spec.get("field_groups", ())
     return LayoutContext(
         report=report,
-        group_and_path_by_name={
-            raw_group["name"]: (raw_group, ("field_groups", index)) for index, raw_group in enumerate(raw_groups)
-        },
+        group_and_path_by_name={raw["name"]: (raw, ("field_groups", index)) for index, raw in enumerate(raw_groups)},
         definitions=definitions,
         parameter_sets_by_interface=parameter_sets(raw_spec, definitions, variants, alternatives),
         crc_by_name={raw_crc["name"]: build_part(Crc, raw_crc) for raw_crc in raw_spec.get("crcs", ())},
-        data_ids_by_interface={
-            interface_name: records(DataId, raw_interface, "data_ids")
-            for interface_name, raw_interface in raw_spec["interfaces"].items()
-        },
+        data_ids_by_interface={name: records(DataId, raw, "data_ids") for name, raw in raw_spec["interfaces"].items()},
         only_while=lambda only: only_while(only, variants, names_set_by_order_codes(raw_spec)),
     )
 
@@ -296,9 +291,7 @@ def _build_register(raw_register: Raw, path: Path, context: LayoutContext) -> Re
         opened_by_field=raw_opener.get("field", ""),
         opened_by_value=raw_opener.get("value", ""),
         layout=layout,
-        meanings=tuple(
-            _build_register_meaning(raw_meaning, context) for raw_meaning in raw_register.get("meanings", ())
-        ),
+        meanings=tuple(_build_register_meaning(meaning, context) for meaning in raw_register.get("meanings", ())),
         **context.expressions(raw_register, ("min", "max")),
     )
     _check_limits(register, path, context)

@@ -61,7 +61,7 @@ def check_examples(device: Device, report: DocumentReport) -> None:
     """Report every example that contradicts its layout, CRC or procedure, if all parts that it needs are valid."""
     valid_parts = valid_parts_so_far(report)
     for example in device.examples:
-        if not valid_parts.holds(example) or not _is_built(device, example):
+        if not valid_parts.is_example_valid(example) or not _is_built(device, example):
             continue
         for error in _errors_of_example(device, example):
             message = f"example '{example.name}' does not match: {error.message}"

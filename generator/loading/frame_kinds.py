@@ -169,7 +169,7 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
     A number must not be at the place of a constant in a different frame or in the request, because it can have the
     value of the constant. Over RS-485, the request determines the layout of the reply.
     """
-    if not valid_parts_so_far(report).has_frames:
+    if not valid_parts_so_far(report).has_valid_layouts:
         return
     for interface in device.interfaces:
         _check_replies(interface, device.position_names(interface.name), report)

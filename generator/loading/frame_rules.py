@@ -190,7 +190,7 @@ def check_channels(device: Device, report: DocumentReport) -> None:
     positions.
     """
     biss = device.find_interface(Biss)
-    if biss is None or biss.channels is None or not valid_parts_so_far(report).has_frames:
+    if biss is None or biss.channels is None or not valid_parts_so_far(report).has_valid_layouts:
         return
     channels_path: Path = ("interfaces", biss.name, "channels")
     if (*channels_path, "compared_bits") in report.faults():
@@ -339,7 +339,7 @@ def _width_problems(device: Device, channels: DataChannels, layout: Layout, fiel
 def check_control_bytes(device: Device, report: DocumentReport) -> None:
     """Check that the control byte that the manual gives for each data ID matches the fields of its request."""
     interface = device.find_interface(Rs485)
-    if interface is None or not valid_parts_so_far(report).has_frames:
+    if interface is None or not valid_parts_so_far(report).has_valid_layouts:
         return
     variants = device.variants_over(interface.name)
     if not variants:
@@ -373,7 +373,7 @@ def _control_byte(device: Device, layout: Layout, data_id: DataId, variant: Vari
 def check_requests(device: Device, report: DocumentReport) -> None:
     """Check that an RS-485 encoder can distinguish its requests: any two must differ in a constant."""
     interface = device.find_interface(Rs485)
-    if interface is None or not interface.exchanges or not valid_parts_so_far(report).has_frames:
+    if interface is None or not interface.exchanges or not valid_parts_so_far(report).has_valid_layouts:
         return
     layout_by_name = {layout.name: layout for layout in interface.layouts}
     requests = [

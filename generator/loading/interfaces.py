@@ -293,7 +293,7 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
     The value is in the field ``data`` of the frames. Only the first mismatch of each register is reported.
     """
     spi = device.find_interface(Spi)
-    if spi is None or not valid_parts_so_far(report).has_frames:
+    if spi is None or not valid_parts_so_far(report).has_valid_layouts:
         return
     for register in device.registers_over(spi.name):
         frame_names = set(_frames_with_register(spi, register))

@@ -67,20 +67,16 @@ def _check_joins(layout: Layout, spec_place: SpecPlace, sends_low_byte_first: bo
 
 def _check_parts_of_join(join: Join, field_by_name: Mapping[str, Field], spec_place: SpecPlace) -> None:
     """Check that a joined number consists of plain bits, and contains each field once."""
-    for name_index, field_name in enumerate(join.fields):
-        if field_name in join.fields[:name_index]:
-            spec_place.report(
-                "join-order", f"'{join.name}' contains '{field_name}' twice", "join", join.name, name_index
-            )
+    for index, name in enumerate(join.fields):
+        if name in join.fields[:index]:
+            spec_place.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
             continue
-        obstacle = _obstacle_to_join(field_by_name[field_name].kind) if field_name in field_by_name else ""
-        if obstacle:
+        reason = _obstacle_to_join(field_by_name[name].kind) if name in field_by_name else ""
+        if reason:
             # A reason may already end with a remedy after a semicolon.
-            separator = ", or" if ";" in obstacle else ";"
-            remedy = f"{separator} remove '{field_name}' from '{join.name}'"
-            spec_place.report(
-                "join-of", f"'{join.name}' contains '{field_name}', {obstacle}{remedy}", "join", join.name, name_index
-            )
+            separator = ", or" if ";" in reason else ";"
+            remedy = f"{separator} remove '{name}' from '{join.name}'"
+            spec_place.report("join-of", f"'{join.name}' contains '{name}', {reason}{remedy}", "join", join.name, index)
 
 
 def _check_order_of_join(
@@ -91,15 +87,13 @@ def _check_order_of_join(
     A field that is sent earlier has higher bits in the layout.
     """
     different_neighbors = []
-    for upper_name, lower_name in pairwise(join.fields):
-        if upper_name != lower_name and upper_name in field_by_name and lower_name in field_by_name:
-            different_neighbors.append((upper_name, lower_name))
-    for pair_number, (upper_name, lower_name) in enumerate(different_neighbors, 1):
-        lower_if_correct, upper_if_correct = (
-            (upper_name, lower_name) if sends_low_byte_first else (lower_name, upper_name)
-        )
+    for upper, lower in pairwise(join.fields):
+        if upper != lower and upper in field_by_name and lower in field_by_name:
+            different_neighbors.append((upper, lower))
+    for pair_number, (upper, lower) in enumerate(different_neighbors, 1):
+        lower_if_correct, upper_if_correct = (upper, lower) if sends_low_byte_first else (lower, upper)
         if _is_above(field_by_name[lower_if_correct], field_by_name[upper_if_correct], spec_place):
-            problem = f"'{join.name}' has '{upper_name}' above '{lower_name}'"
+            problem = f"'{join.name}' has '{upper}' above '{lower}'"
             remedy = _remedy_for_order(sends_low_byte_first, spec_place)
             message = f"{problem}, but '{layout.name}' sends '{lower_if_correct}' first{remedy}"
             spec_place.report("join-order", message, "join", join.name, pair_number)
@@ -141,18 +135,16 @@ def _check_parities(layout: Layout, spec_place: SpecPlace) -> None:
         if not isinstance(field.kind, Parity):
             continue
         covered_names = field.kind.covers
-        for index, covered_name in enumerate(covered_names):
-            is_computed = covered_name in field_by_name and field_by_name[covered_name].kind.role == "check"
-            if covered_name in covered_names[:index]:
-                problem = f"'{field.name}' covers '{covered_name}' twice; list it once"
+        for index, name in enumerate(covered_names):
+            is_computed = name in field_by_name and field_by_name[name].kind.role == "check"
+            if name in covered_names[:index]:
+                problem = f"'{field.name}' covers '{name}' twice; list it once"
                 spec_place.report("parity-of", problem, "fields", field.name, "parity_of")
             elif is_computed:
-                problem = f"the parity bit '{field.name}' cannot cover '{covered_name}', which is computed itself"
+                problem = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself"
                 spec_place.report("parity-of", f"{problem}; leave it out", "fields", field.name, "parity_of")
         # The bits of a field count from 0, so only a field with at least two bits has a bit with an odd number.
-        covers_odd_bits = any(
-            field_by_name[covered_name].widest > 1 for covered_name in covered_names if covered_name in field_by_name
-        )
+        covers_odd_bits = any(field_by_name[name].widest > 1 for name in covered_names if name in field_by_name)
         if field.kind.over == "odd_bits" and not covers_odd_bits:
             problem = f"'{field.name}' covers no bit, because no covered field has a bit 1; write 'over: even_bits'"
             spec_place.report("parity-of", problem, "fields", field.name, "parity_of")
@@ -187,9 +179,7 @@ def _check_gray(layout: Layout, spec_place: SpecPlace) -> None:
     coded_names = layout.field_names_of(layout.gray_of)
     field_by_name = {field.name: field for field in layout.fields}
     coded_fields = [field_by_name[name] for name in coded_names if name in field_by_name]
-    fields_without_number = [
-        coded_field for coded_field in coded_fields if not isinstance(coded_field.kind, (Number, Choice, Flag))
-    ]
+    fields_without_number = [field for field in coded_fields if not isinstance(field.kind, (Number, Choice, Flag))]
     problem = ""
     if fields_without_number:
         problem = f"'{fields_without_number[0].name}' is not a number"
@@ -198,11 +188,9 @@ def _check_gray(layout: Layout, spec_place: SpecPlace) -> None:
     if problem:
         spec_place.report("gray-of", f"{problem}; only a multi-bit number can be in Gray code", "gray", "of")
     parameter_sets = spec_place.parameter_sets
-    values_of_gray_when = {
-        parameters[layout.gray_when] for parameters in parameter_sets if layout.gray_when in parameters
-    }
-    if not values_of_gray_when <= {0, 1}:
-        message = f"'{layout.gray_when}' can be {max(values_of_gray_when)}; it must be 1 for Gray code, or 0 for binary"
+    switch_values = {parameters[layout.gray_when] for parameters in parameter_sets if layout.gray_when in parameters}
+    if not switch_values <= {0, 1}:
+        message = f"'{layout.gray_when}' can be {max(switch_values)}; it must be 1 for Gray code, or 0 for binary"
         spec_place.report("gray-of", message, "gray", "when")
     # Without such a parameter, the number is always in Gray code.
     sets_with_gray_code = [parameters for parameters in parameter_sets if parameters.get(layout.gray_when, 1)]

@@ -40,10 +40,8 @@ def compare_documents(specs: Sequence[Document], report: ProblemReport) -> None:
             without_numbers = (document_key, _NUMBER_IN_REFERENCE.sub("0", title), _NUMBER_IN_REFERENCE.sub("0", url))
             with_title_numbers = (document_key, title, _DIGITS.sub("0", url))
             with_address_numbers = (document_key, _DIGITS.sub("0", title), url or spec.file)
-            keys_of_comparison = (without_numbers, with_title_numbers, with_address_numbers)
-            specs_to_compare = [
-                first_spec_by_key.setdefault(key_of_comparison, spec) for key_of_comparison in keys_of_comparison
-            ]
+            keys = (without_numbers, with_title_numbers, with_address_numbers)
+            specs_to_compare = [first_spec_by_key.setdefault(key, spec) for key in keys]
             _report_other_numbers(spec, document_key, specs_to_compare, report)
 
 
@@ -53,21 +51,19 @@ def _texts_of_document(spec: Document, key: str) -> dict[str, str]:
     return {member: str(document.get(member, "")) for member in _MEMBERS}
 
 
-def _report_other_numbers(
-    spec: Document, document_key: str, specs_to_compare: Sequence[Document], report: ProblemReport
-) -> None:
+def _report_other_numbers(spec: Document, key: str, other_specs: Sequence[Document], report: ProblemReport) -> None:
     """Report the title and the address of a document that differ from those in one of the first specs with it."""
-    for text_key, text in _texts_of_document(spec, document_key).items():
-        for other_spec in specs_to_compare:
-            other_text = _texts_of_document(other_spec, document_key)[text_key]
+    for text_key, text in _texts_of_document(spec, key).items():
+        for other_spec in other_specs:
+            other_text = _texts_of_document(other_spec, key)[text_key]
             if text == other_text:
                 continue
-            line, _ = other_spec.position(("documents", document_key, text_key))
+            line, _ = other_spec.position(("documents", key, text_key))
             message = (
                 f"only a number differs from {quoted(other_text)} in {PurePath(other_spec.file).name}:{line};"
                 f" correct one of the two, or give one of the documents another key"
             )
-            report.add("not-alike", spec, ("documents", document_key, text_key), message)
+            report.add("not-alike", spec, ("documents", key, text_key), message)
             break
 
 
@@ -94,9 +90,7 @@ def check_cited_manuals(specs: Sequence[Document], report: ProblemReport) -> Non
                         report.add("cited-place", spec, path_of_source, f"{document_key}: {problem}")
 
 
-def _report_other_title(
-    spec: Document, document_key: str, title: str, other_spec: Document, report: ProblemReport
-) -> None:
+def _report_other_title(spec: Document, key: str, title: str, other_spec: Document, report: ProblemReport) -> None:
     """Report a title of a document that differs from the title of the manual in another spec only in numbers."""
     manual_title = str(mapping(other_spec.data, "manual").get("title", ""))
     if _DIGITS.sub("0", manual_title) in _DIGITS.sub("0", title):
@@ -105,7 +99,7 @@ def _report_other_title(
             f"only a number differs from the manual's title {quoted(manual_title)} in"
             f" {PurePath(other_spec.file).name}:{line}; correct one of the two, or give the document another key"
         )
-        report.add("not-alike", spec, ("documents", document_key, "title"), message)
+        report.add("not-alike", spec, ("documents", key, "title"), message)
 
 
 #: Keys whose values are texts from the manual, or only concern one device.
@@ -214,19 +208,17 @@ def compare_connectors(manufacturer_file: Document, specs: Sequence[Document], r
         contacts_by_line: dict[_Line, _Contact] = {}
         cables: list[_Cable] = []
         for reference_index, reference in enumerate(references):
-            device_name, _, connector_name = reference.partition(".")
+            device_name, _, name = reference.partition(".")
             spec = spec_by_device.get(device_name)
             if spec is None:
                 continue
             connectors = maps_in_list(spec.data, "connectors")
-            connector_path = next(
-                (path for path, connector in connectors if connector.get("name") == connector_name), None
-            )
+            connector_path = next((path for path, connector in connectors if connector.get("name") == name), None)
             if connector_path is not None:
                 _compare_connector(contacts_by_line, spec, connector_path, report)
                 cables += _cable_at(spec, connector_path)
                 continue
-            message = f"{quoted(device_name)} has no connector or cable {quoted(connector_name)}"
+            message = f"{quoted(device_name)} has no connector or cable {quoted(name)}"
             reference_path: Path = ("alike", "connectors", group_index, reference_index)
             report.add("undefined-reference", manufacturer_file, reference_path, message)
         _compare_wires(cables, report)

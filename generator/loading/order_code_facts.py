@@ -98,7 +98,7 @@ def _codes_of(variants: Sequence[Variant]) -> list[str]:
 
 
 def _facts_of_interface(
-    raw_interface: Raw, interface: Interface, order_codes: Sequence[str], report: DocumentReport
+    raw_interface: Raw, interface: Interface, codes: Sequence[str], report: DocumentReport
 ) -> Iterator[ExclusiveFacts]:
     """Yield the facts of an interface of which an order code has only one.
 
@@ -110,7 +110,7 @@ def _facts_of_interface(
         # If invalid entries were removed, an order code may only seem to have no clock.
         is_complete = (*interface_path, "clock") not in report.document.kept_indices
         yield ExclusiveFacts(
-            noun="a clock", facts=clocks, codes=order_codes, interface=interface.short, is_needed=is_complete
+            noun="a clock", facts=clocks, codes=codes, interface=interface.short, is_needed=is_complete
         )
     if isinstance(interface, Biss):
         timeouts = _with_paths(raw_interface, (*interface_path, "timeout"), interface.timeouts)
@@ -119,7 +119,7 @@ def _facts_of_interface(
         yield ExclusiveFacts(
             noun="a timeout",
             facts=timeouts,
-            codes=order_codes,
+            codes=codes,
             interface=interface.short,
             is_needed=is_complete and not is_explained_by_erratum,
         )
@@ -129,16 +129,12 @@ def _facts_of_interface(
         rows_by_cable_length: dict[int, list[tuple[Path, Restricted]]] = {}
         for path_and_row, row in zip(paths_and_rows, interface.cable_lengths, strict=True):
             rows_by_cable_length.setdefault(row.shorter_than_m, []).append(path_and_row)
-        for cable_length, rows_of_cable_length in rows_by_cable_length.items():
+        for cable_length, cable_rows in rows_by_cable_length.items():
             noun = f"a clock for cables shorter than {cable_length} m"
             yield ExclusiveFacts(
-                noun=noun,
-                facts=rows_of_cable_length,
-                codes=order_codes,
-                interface=interface.short,
-                has_other_rules=True,
+                noun=noun, facts=cable_rows, codes=codes, interface=interface.short, has_other_rules=True
             )
-    yield from _group_by_name(interface.timings, noun="a timing", path=(*interface_path, "timings"), codes=order_codes)
+    yield from _group_by_name(interface.timings, noun="a timing", path=(*interface_path, "timings"), codes=codes)
 
 
 def _with_paths(raw_parent: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:

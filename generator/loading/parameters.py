@@ -143,42 +143,34 @@ def factory_defaults(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int]
     """
     default_by_name: dict[str, int] = {}
     names_set_by_codes = names_in_code_values(raw_spec)
-    for parameter_name, raw_parameter in raw_spec["parameters"].items():
+    for name, raw_parameter in raw_spec["parameters"].items():
         if "read_from" not in raw_parameter:
             continue
         raw_register, raw_field = _register_and_field(raw_spec, raw_parameter)
         if raw_register is None or raw_field is None:
             # The rule on references reports it.
-            default_by_name[parameter_name] = raw_parameter.get("max", 0)
+            default_by_name[name] = raw_parameter.get("max", 0)
             continue
         lowest_bit_and_width = _lowest_bit_and_width(raw_field)
         if lowest_bit_and_width is None:
             message = f"'{raw_parameter['read_from']}' must be placed with 'at' and a constant width"
-            report.add("undefined-reference", ("parameters", parameter_name, "read_from"), message)
-            default_by_name[parameter_name] = raw_parameter.get("max", 0)
+            report.add("undefined-reference", ("parameters", name, "read_from"), message)
+            default_by_name[name] = raw_parameter.get("max", 0)
             continue
         lowest_bit, bit_count = lowest_bit_and_width
-        _check_codes(parameter_name, raw_parameter, bit_count, report)
-        if parameter_name in names_set_by_codes:
+        _check_codes(name, raw_parameter, bit_count, report)
+        if name in names_set_by_codes:
             values_of_codes = coded_values(raw_parameter)
-            _check_set_values(parameter_name, raw_spec, values_of_codes, report)
+            _check_set_values(name, raw_spec, values_of_codes, report)
         elif "default" not in raw_register:
             message = f"the register of '{raw_parameter['read_from']}' has no default, so every order code must set"
-            report.add(
-                "undefined-reference",
-                ("parameters", parameter_name, "read_from"),
-                f"{message} {quoted(parameter_name)}",
-            )
-            default_by_name[parameter_name] = raw_parameter.get("max", 0)
+            report.add("undefined-reference", ("parameters", name, "read_from"), f"{message} {quoted(name)}")
+            default_by_name[name] = raw_parameter.get("max", 0)
         else:
             mask = (1 << bit_count) - 1
             stored_number = (raw_register["default"] >> lowest_bit) & mask
-            default_by_name[parameter_name] = _default_of_parameter(
-                parameter_name,
-                raw_parameter,
-                report,
-                stored_number=stored_number,
-                zero_means=raw_field.get("zero_means", 0),
+            default_by_name[name] = _default_of_parameter(
+                name, raw_parameter, report, stored_number=stored_number, zero_means=raw_field.get("zero_means", 0)
             )
     return MappingProxyType(default_by_name)
 

@@ -214,30 +214,30 @@ def key_type(text: str) -> KeyType:
     """Return the type of a key for the annotation in its class, such as ``tuple[Name, ...]`` or ``Count | None``."""
     if text.endswith(" | None"):
         return key_type(text.removesuffix(" | None"))._replace(is_optional=True)
-    choice = _LITERAL_TYPE.fullmatch(text)
-    if choice is not None:
-        return KeyType(choices=tuple(ast.literal_eval(choice["words"])))
+    choice_match = _LITERAL_TYPE.fullmatch(text)
+    if choice_match is not None:
+        return KeyType(choices=tuple(ast.literal_eval(choice_match["words"])))
     for container, pattern in _CONTAINER_PATTERNS.items():
-        match = pattern.fullmatch(text)
-        if match is not None:
-            key_word = match["key"] if container == "map" else ""
-            return KeyType(container=container, content=(key_type(match["inner"]),), key_word=key_word)
+        container_match = pattern.fullmatch(text)
+        if container_match is not None:
+            key_word = container_match["key"] if container == "map" else ""
+            return KeyType(container=container, content=(key_type(container_match["inner"]),), key_word=key_word)
     return KeyType(text)
 
 
-def data_notation(described: DescribedKey) -> str:
+def data_notation(described_key: DescribedKey) -> str:
     """Return the notation of a key in the data, such as ``count?``, or ``boolean=false`` with a default.
 
     It is empty for a key that does not occur in the data.
     """
-    if described.key.shape:
-        return described.key.shape
-    kind = key_type(described.notation)
-    if kind.is_optional:
-        return f"{kind.notation}?"
-    if isinstance(described.default, bool):
-        return f"{kind.notation}={str(described.default).lower()}"
-    return kind.notation
+    if described_key.key.shape:
+        return described_key.key.shape
+    type_of_key = key_type(described_key.notation)
+    if type_of_key.is_optional:
+        return f"{type_of_key.notation}?"
+    if isinstance(described_key.default, bool):
+        return f"{type_of_key.notation}={str(described_key.default).lower()}"
+    return type_of_key.notation
 
 
 def limits_in_schema(key: SpecKey) -> JsonSchema:
@@ -385,11 +385,11 @@ def described_part(part_class: Any, *additional: ModelMember, after: str = "", n
     """
     description = description_of(part_class)
     members = []
-    for described in keys_of(part_class):
-        if described.name == "source":
+    for described_key in keys_of(part_class):
+        if described_key.name == "source":
             continue
-        members.append(_build_member(described))
-        if described.name == after:
+        members.append(_build_member(described_key))
+        if described_key.name == after:
             members += additional
     return ModelPart(
         name or name_of_part(part_class.__name__),

@@ -84,11 +84,11 @@ class DigitCode(NamedTuple):
         base = len(self.codes)
         complete_digits, bits_of_top_digit = divmod(width, self.bits)
         # Number of digits, from 0 up, whose code fits in the bits of the first digit.
-        top_digits = 1
+        possible_top_digits = 1
         if bits_of_top_digit:
             too_wide_digits = (digit for digit, code in enumerate(self.codes) if code >> bits_of_top_digit)
-            top_digits = next(too_wide_digits, base)
-        return top_digits * int(base**complete_digits) - 1
+            possible_top_digits = next(too_wide_digits, base)
+        return possible_top_digits * int(base**complete_digits) - 1
 
 
 class WholeCode(NamedTuple):

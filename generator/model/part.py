@@ -194,8 +194,8 @@ def key(about: str, *, default: Any = MISSING, **options: Any) -> Any:
 
     ``options`` are attributes of ``SpecKey``, such as ``minimum``, and of ``ModelMember``, such as ``rule``.
     """
-    own_options = {name: options.pop(name) for name in list(options) if name in SpecKey._fields}
-    metadata = {_KEY_METADATA: SpecKey(about, member=options, **own_options)}
+    options_of_key = {name: options.pop(name) for name in list(options) if name in SpecKey._fields}
+    metadata = {_KEY_METADATA: SpecKey(about, member=options, **options_of_key)}
     if isinstance(default, Mapping):  # Python 3.11 rejects it as a default, because it has no hash.
         return field(default_factory=lambda: default, metadata=metadata)
     return field(default=default, metadata=metadata)
