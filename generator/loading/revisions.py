@@ -106,6 +106,24 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
     """
     commit = _find_commit(revision_path.revision)
     path_in_repository = _path_in_repository(revision_path)
+    spec_blob_by_path = _find_spec_blobs(commit, revision_path, path_in_repository)
+    _reject_large_files(revision_path, spec_blob_by_path)
+    content_by_hash = _read_contents(spec_blob_by_path.values())
+    target_paths = _target_paths(spec_blob_by_path, folder)
+    for file_path, target_path in target_paths.items():
+        _write_new(target_path, content_by_hash[spec_blob_by_path[file_path]])
+    shown_names = {str(folder): str(RevisionPath(revision_path.revision, path_in_repository))}
+    for file_path, target_path in target_paths.items():
+        shown_names[str(target_path)] = f"{revision_path.revision}:{file_path}"
+    return RevisionFiles(target_paths.get(path_in_repository, folder), shown_names)
+
+
+def _find_spec_blobs(commit: str, revision_path: RevisionPath, path_in_repository: str) -> dict[str, str]:
+    """Return the specs of a commit at or below a path, each with the hash of its content, without hidden files.
+
+    Raises:
+        RevisionError: There are no files, too many files, or files with unsafe names.
+    """
     blob_hash_by_path = _list_files(commit, path_in_repository)
     if not blob_hash_by_path:
         raise RevisionError(f"there is no {visible(path_in_repository) or 'file'} in {visible(revision_path.revision)}")
@@ -127,15 +145,7 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
         raise RevisionError(
             f"{visible(str(revision_path))} contains {len(spec_blob_by_path)} YAML files; name the folder of the specs"
         )
-    _reject_large_files(revision_path, spec_blob_by_path)
-    content_by_hash = _read_contents(spec_blob_by_path.values())
-    target_paths = _target_paths(spec_blob_by_path, folder)
-    for file_path, target_path in target_paths.items():
-        _write_new(target_path, content_by_hash[spec_blob_by_path[file_path]])
-    shown_names = {str(folder): str(RevisionPath(revision_path.revision, path_in_repository))}
-    for file_path, target_path in target_paths.items():
-        shown_names[str(target_path)] = f"{revision_path.revision}:{file_path}"
-    return RevisionFiles(target_paths.get(path_in_repository, folder), shown_names)
+    return spec_blob_by_path
 
 
 def _reject_bad_names(revision: str, file_paths: Iterable[str]) -> None:
