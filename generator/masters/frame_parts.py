@@ -194,7 +194,7 @@ def _is_always_zero(field: PlacedField) -> bool:
 
 def _position_fields(placed_layout: PlacedLayout, measurement: Measurement) -> list[PlacedField]:
     """Return the fields that form the position for the order code, most significant first."""
-    return placed_layout.find_fields(placed_layout.layout.field_names_of(measurement.of))
+    return placed_layout.find_fields(placed_layout.layout.field_names_of(measurement.position_name))
 
 
 def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> dict[str, int]:
@@ -235,7 +235,9 @@ def _turn_bits(measurement: Measurement, position_bits: int, variant: Variant) -
         return max(position_bits - singleturn_bits, 0)
     if turns is None:
         return 0
-    raise NoRecord(f"'{measurement.of}' has {counts} counts per revolution, so no bits of it are the revolutions")
+    raise NoRecord(
+        f"'{measurement.position_name}' has {counts} counts per revolution, so no bits of it are the revolutions"
+    )
 
 
 def _position_parts(field: PlacedField, turn_bits: int) -> Iterator[FramePart]:
@@ -271,7 +273,7 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
     is added to the position first, and ``other`` if a different set of bits is in Gray code.
     """
     layout = placed_layout.layout
-    for placed_field in placed_layout.find_fields(layout.field_names_of(measurement.of)):
+    for placed_field in placed_layout.find_fields(layout.field_names_of(measurement.position_name)):
         if placed_field.field.kind.digit_code:
             return placed_field.field.kind.digit_code
     # With ``gray_when``, only some order codes use Gray code.
@@ -279,7 +281,9 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
     if not layout.gray_of or is_binary_order_code:
         return "binary"
     gray_names = {field.name for field in placed_layout.find_fields(layout.field_names_of(layout.gray_of))}
-    position_names = {field.name for field in placed_layout.find_fields(layout.field_names_of(measurement.of))}
+    position_names = {
+        field.name for field in placed_layout.find_fields(layout.field_names_of(measurement.position_name))
+    }
     if gray_names == position_names:
         return "gray_excess" if placed_layout.gray_excess else "gray"
     status_names = {part.name for part in frame_parts if part.role == "status"}

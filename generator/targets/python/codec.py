@@ -315,7 +315,7 @@ class LayoutClass:
     def position_attribute(self) -> str:
         """The attribute with the position. Empty if the frame has no position, or only a part of it."""
         measurement = self.context.device.measurement_of(self.layout_interface)
-        position_name = measurement.of if measurement is not None else "position"
+        position_name = measurement.position_name if measurement is not None else "position"
         number_names = {part.field.name for part in self.plan.decoded_fields if is_number(part.meaning)}
         number_names.update(join.name for join in self.layout.joins)
         return self.names.attribute(position_name) if position_name in number_names else ""
