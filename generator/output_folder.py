@@ -134,12 +134,12 @@ else:
 
 
 @contextmanager
-def locked(folder: Path, waiting: Callable[[], None]) -> Iterator[None]:
+def locked(folder: Path, before_waiting: Callable[[], None]) -> Iterator[None]:
     """Hold the lock on a folder, and create the folder if it does not exist.
 
     Args:
         folder: The folder. Links to the folder share its lock.
-        waiting: Called once if another process has the lock.
+        before_waiting: Called once if another process has the lock.
 
     Raises:
         Busy: Another process has held the lock for ``PATIENCE_S``.
@@ -148,7 +148,7 @@ def locked(folder: Path, waiting: Callable[[], None]) -> Iterator[None]:
     deadline_s = time.monotonic() + PATIENCE_S
     lock_descriptor = _try_to_lock(folder)
     if lock_descriptor is None:
-        waiting()
+        before_waiting()
     while lock_descriptor is None:
         if time.monotonic() > deadline_s:
             raise Busy

@@ -131,9 +131,9 @@ def write(
     folder: Path,
     targets: Mapping[str, Mapping[str, str]],
     force: bool = False,
-    waiting: Callable[[], None] = lambda: None,
-    gate: Callable[[], None] = lambda: None,
-    guard: Callable[[Mapping[str, Sequence[FileChange]]], None] = lambda _: None,
+    before_waiting: Callable[[], None] = lambda: None,
+    before_writing: Callable[[], None] = lambda: None,
+    check_changes: Callable[[Mapping[str, Sequence[FileChange]]], None] = lambda _: None,
     families: Mapping[str, Sequence[str]] = MappingProxyType({}),
 ) -> list[FileChange]:
     """Write the files of ``targets`` to their folders, remove obsolete files, and keep files of the user.
@@ -142,9 +142,9 @@ def write(
         folder: The output folder.
         targets: The files of each target, keyed by the name of the target.
         force: True to overwrite files of the user at the same paths.
-        waiting: Called before the function waits for another run that is writing to the folder.
-        gate: Called before a file changes. An error that it raises ends the function, and nothing has changed.
-        guard: Called with the changes of each target, before ``gate``. An error has the same effect.
+        before_waiting: Called before the function waits for another run that is writing to the folder.
+        before_writing: Called before a file changes. An error that it raises ends the function, and nothing has changed.
+        check_changes: Called with the changes of each target, before ``before_writing``. An error has the same effect.
         families: The families that the files of each target are written from, as ``manufacturer/family``, for its list.
 
     Raises:
@@ -154,9 +154,9 @@ def write(
     _refuse_bad_paths(folder, targets)
     is_new = not os.path.lexists(folder)
     try:
-        with locked(folder, waiting):
+        with locked(folder, before_waiting):
             try:
-                return _write_locked(folder, targets, force=force, gate=gate, guard=guard, families_by_target=families)
+                return _write_locked(folder, targets, families, check_changes, before_writing, force=force)
             finally:
                 if is_new:
                     with suppress(OSError):  # a folder that is not empty stays
@@ -172,24 +172,24 @@ def write(
 def _write_locked(
     folder: Path,
     files_by_target: Mapping[str, Mapping[str, str]],
+    families_by_target: Mapping[str, Sequence[str]],
+    check_changes: Callable[[Mapping[str, Sequence[FileChange]]], None],
+    before_writing: Callable[[], None],
     *,
     force: bool,
-    gate: Callable[[], None],
-    guard: Callable[[Mapping[str, Sequence[FileChange]]], None],
-    families_by_target: Mapping[str, Sequence[str]],
 ) -> list[FileChange]:
     """Write the targets to the folder, and return all changes. This process must hold its lock.
 
-    ``guard`` and ``gate`` are called before anything changes, as in ``write``.
+    ``check_changes`` and ``before_writing`` are called before anything changes, as in ``write``.
     """
     _remove_left_stages(folder)
     changes_by_target = {
         target_name: list_changes(folder, target_name, text_by_path)
         for target_name, text_by_path in files_by_target.items()
     }
-    guard(changes_by_target)
+    check_changes(changes_by_target)
     if any(map(_has_changes, changes_by_target.values())):
-        gate()
+        before_writing()
     files_by_target_to_write: dict[str, Mapping[str, str]] = {}
     for target_name, text_by_path in files_by_target.items():
         has_new_list = _has_new_list(folder, target_name, text_by_path, families_by_target.get(target_name, ()))
