@@ -143,7 +143,7 @@ def write(
         targets: The files of each target, keyed by the name of the target.
         force: True to overwrite files of the user at the same paths.
         before_waiting: Called before the function waits for another run that is writing to the folder.
-        before_writing: Called before a file changes. An error that it raises ends the function, and nothing has changed.
+        before_writing: Called before a file changes. An error that it raises ends the function without a change.
         check_changes: Called with the changes of each target, before ``before_writing``. An error has the same effect.
         families: The families that the files of each target are written from, as ``manufacturer/family``, for its list.
 

@@ -21,7 +21,7 @@ TARGETS = ("c", "docs", "python")
 HEAD = """
 import ctypes, sys, time
 from pathlib import Path
-from codewheel import output_folder, write
+from codewheel import output_folder, write_and_remove
 out, here = Path(sys.argv[1]), Path(sys.argv[2])
 def files(text):
     return {name: {f"{name}/{n}/x": f"{text} {n}" for n in range(20)} for name in ("c", "docs", "python")}
@@ -38,7 +38,7 @@ def slow(new, target_folder):
         time.sleep(0.01)
 output_folder._exchange = slow
 """
-WRITE = "write.write(out, files(sys.argv[3]), before_waiting=waiting)"
+WRITE = "write_and_remove.write(out, files(sys.argv[3]), before_waiting=waiting)"
 
 
 def files(text: str) -> dict[str, dict[str, str]]:
@@ -100,8 +100,8 @@ def test_the_lock_of_a_killed_run_is_gone(tmp_path: Path) -> None:
 def test_kills_at_random_moments_leave_each_target_whole(tmp_path: Path, system: str) -> None:
     out = tmp_path / "out"
     endless = (
-        "print(write.write(out, files('a')) and 'ready', flush=True)\n"
-        "while True:\n    write.write(out, files('b'))\n    write.write(out, files('a'))\n"
+        "print(write_and_remove.write(out, files('a')) and 'ready', flush=True)\n"
+        "while True:\n    write_and_remove.write(out, files('b'))\n    write_and_remove.write(out, files('a'))\n"
     )
     moments = random.Random(1)
     for _ in range(12):
