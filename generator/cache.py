@@ -69,20 +69,20 @@ class Cache:
     def __bool__(self) -> bool:
         return self._folder is not None
 
-    def get(self, kind: str, content: Iterable[bytes | str]) -> Any:
+    def get(self, kind_of_result: str, content: Iterable[bytes | str]) -> Any:
         """Return the data that ``put`` stored for the same kind and content, or None."""
         if self._folder is None:
             return None
         try:
-            return _read(self._folder, key_of(kind, content))
+            return _read(self._folder, key_of(kind_of_result, content))
         except (OSError, ValueError, RecursionError):
             return None
 
-    def put(self, kind: str, content: Iterable[bytes | str], data: Any) -> None:
+    def put(self, kind_of_result: str, content: Iterable[bytes | str], data: Any) -> None:
         """Store data that JSON can express. Other entries may be removed because of the limits."""
         if self._folder is None:
             return
-        key = key_of(kind, content)
+        key = key_of(kind_of_result, content)
         with suppress(OSError, ValueError, RecursionError):
             entry_json = json.dumps({"key": key, "data": data}, separators=(",", ":")).encode()
             if len(entry_json) > MAX_ENTRY:
@@ -108,9 +108,9 @@ class Cache:
 NO_CACHE = Cache(None)
 
 
-def key_of(kind: str, content: Iterable[bytes | str]) -> str:
+def key_of(kind_of_result: str, content: Iterable[bytes | str]) -> str:
     """Return the key of a result: a hash of its kind, of all content that it depends on, and of this tool."""
-    digest = hashlib.sha256(f"{kind}\0{_hash_of_tool()}".encode())
+    digest = hashlib.sha256(f"{kind_of_result}\0{_hash_of_tool()}".encode())
     for content_part in content:
         content_bytes = (
             content_part if isinstance(content_part, bytes) else content_part.encode("utf-8", "surrogateescape")

@@ -131,18 +131,18 @@ class _Dump:
             "version": VERSION,
             "family": device.name,
             "base": device.base,
-            "overlays": self.plain(device.overlays, ()),
+            "overlays": self.to_plain_data(device.overlays, ()),
             "edition": device.edition,
-            "editions": self.plain(device.editions, ()),
+            "editions": self.to_plain_data(device.editions, ()),
             "title": device.title,
             "movement": device.movement,
             "order_code": self.variant.code if self.variant is not None else None,
             "interface": self.variant.interface if self.variant is not None else None,
             "label": label,
-            "manufacturer": self.plain(device.manufacturer, ()),
-            "evidence": self.plain(device.evidence, ()),
-            "manual": self.plain(device.manual, ()),
-            "documents": self.plain(device.documents, ()),
+            "manufacturer": self.to_plain_data(device.manufacturer, ()),
+            "evidence": self.to_plain_data(device.evidence, ()),
+            "manual": self.to_plain_data(device.manual, ()),
+            "documents": self.to_plain_data(device.documents, ()),
         }
 
     def _order_codes(self, variants: Iterable[Variant], parameters: Mapping[str, int]) -> PlainData:
@@ -150,10 +150,10 @@ class _Dump:
         source = self.device.order_code.source
         return {
             "parameters": dict(parameters),
-            "parameter_definitions": self.plain(self.device.parameters, source),
-            "alternatives": self.plain(self.device.alternatives, ()),
-            "order_code_grammar": self.plain(self.device.order_code, ()),
-            "order_codes": [self.plain(variant, source) | _sources_data(source) for variant in variants],
+            "parameter_definitions": self.to_plain_data(self.device.parameters, source),
+            "alternatives": self.to_plain_data(self.device.alternatives, ()),
+            "order_code_grammar": self.to_plain_data(self.device.order_code, ()),
+            "order_codes": [self.to_plain_data(variant, source) | _sources_data(source) for variant in variants],
         }
 
     def _communication_data(self) -> PlainData:
@@ -162,21 +162,21 @@ class _Dump:
         return {
             "interfaces": {interface.name: self._interface_data(interface) for interface in device.interfaces},
             "layouts": [self._layout_data(layout, owner.name, owner.source) for owner, layout in device.layouts()],
-            "field_groups": self.plain(device.field_groups, ()),
+            "field_groups": self.to_plain_data(device.field_groups, ()),
             "registers": [self._register_data(register) for register in device.registers],
-            "crcs": self.plain(device.crcs, ()),
-            "alarms": self.plain(device.alarms, ()),
+            "crcs": self.to_plain_data(device.crcs, ()),
+            "alarms": self.to_plain_data(device.alarms, ()),
             "procedures": list(map(self._procedure_data, device.procedures)),
             "timings": self._timings_data(),
         }
 
     def _procedure_data(self, procedure: Procedure) -> PlainData:
-        procedure_data: PlainData = self.plain(procedure, ())
+        procedure_data: PlainData = self.to_plain_data(procedure, ())
         procedure_data["steps"] = [self._step_data(step, procedure.source) for step in procedure.steps]
         return procedure_data
 
     def _table_data(self, table: Table) -> PlainData:
-        table_data: PlainData = self.plain(table, ())
+        table_data: PlainData = self.to_plain_data(table, ())
         table_data["rows"] = [{"cells": list(row)} for row in table.rows]
         return table_data
 
@@ -184,19 +184,19 @@ class _Dump:
         """Return the measurement, the hardware and other facts of the manual."""
         device = self.device
         return {
-            "measurement": self.plain(device.measurement, ()),
-            "inputs": self.plain(device.inputs, ()),
-            "connectors": self.plain(device.connectors, ()),
-            "leds": self.plain(device.leds, ()),
-            "characteristics": self.plain(device.characteristics, ()),
+            "measurement": self.to_plain_data(device.measurement, ()),
+            "inputs": self.to_plain_data(device.inputs, ()),
+            "connectors": self.to_plain_data(device.connectors, ()),
+            "leds": self.to_plain_data(device.leds, ()),
+            "characteristics": self.to_plain_data(device.characteristics, ()),
             "tables": list(map(self._table_data, device.tables)),
             "examples": [self._example_data(example) for example in device.examples],
-            "errata": self.plain(device.errata, ()),
-            "lost_figures": self.plain(device.lost_figures, ()),
-            "supply": self.plain(device.supply, ()),
+            "errata": self.to_plain_data(device.errata, ()),
+            "lost_figures": self.to_plain_data(device.lost_figures, ()),
+            "supply": self.to_plain_data(device.supply, ()),
         }
 
-    def plain(self, value: Any, inherited_sources: Sources) -> Any:
+    def to_plain_data(self, value: Any, inherited_sources: Sources) -> Any:
         """Return any part of the model as plain data: maps, lists, texts, numbers, Booleans and None.
 
         The members of a dataclass are those that ``model/members`` lists for its class. If it does not list the class,
@@ -209,18 +209,18 @@ class _Dump:
         if isinstance(value, bytes):
             return value.hex(" ").upper()
         if isinstance(value, Mapping):
-            return {key: self.plain(member, inherited_sources) for key, member in value.items()}
+            return {key: self.to_plain_data(member, inherited_sources) for key, member in value.items()}
         if isinstance(value, tuple):
-            return [self.plain(member, inherited_sources) for member in value]
+            return [self.to_plain_data(member, inherited_sources) for member in value]
         if not is_dataclass(value) or isinstance(value, type):
             return value
         own_sources: Sources = getattr(value, "source", ()) or inherited_sources
         part_description = PARTS_BY_CLASS.get(type(value).__name__)
         if part_description is None:
             attribute_names = [attribute_value.name for attribute_value in fields(value)]
-            return {name: self.plain(getattr(value, name), own_sources) for name in attribute_names} | _sources_data(
-                own_sources
-            )
+            return {
+                name: self.to_plain_data(getattr(value, name), own_sources) for name in attribute_names
+            } | _sources_data(own_sources)
         plain_members = {}
         for member in part_description.members:
             if member.shape and hasattr(value, member.attribute):
@@ -232,7 +232,7 @@ class _Dump:
         """Return a member as plain data. A missing member that would be one of several words is an empty string."""
         # The shape of such a member begins with ``|``, followed by the possible words: ``|low|high``.
         is_missing_word = value is None and member.shape.startswith("|")
-        return "" if is_missing_word else self.plain(value, inherited_sources)
+        return "" if is_missing_word else self.to_plain_data(value, inherited_sources)
 
     def _number_or_text(self, expression: Expression) -> int | str:
         """Return the number for an order code. For a family, it may be a text, such as ``48 - singleturn_bits``."""
@@ -245,7 +245,7 @@ class _Dump:
 
         Members that the interface lacks have their defaults.
         """
-        interface_data: PlainData = self.plain(interface, interface.source)
+        interface_data: PlainData = self.to_plain_data(interface, interface.source)
         # In the data, a word replaces each of these objects, and the source is a member of the interface.
         for fact_name, key_of_word in (("alignment", "end"), ("output_code", "code")):
             fact_data = interface_data.pop(fact_name, None)
@@ -260,7 +260,7 @@ class _Dump:
         """Return a layout with its interface, the open questions about it, its joined numbers and its fields."""
         own_sources = layout.source or inherited_sources
         # The fields come last, in a different form.
-        layout_data: PlainData = self.plain(replace(layout, fields=()), own_sources)
+        layout_data: PlainData = self.to_plain_data(replace(layout, fields=()), own_sources)
         layout_data |= {"carried_as": layout.carried_as, "interface": interface_name}
         layout_data["alternatives"] = [alternative.name for alternative in self.device.alternatives_of(layout)]
         layout_data["join"] = [self._join_data(join, layout) | _sources_data(own_sources) for join in layout.joins]
@@ -290,7 +290,7 @@ class _Dump:
         ``highest_bit`` is the highest bit of the field.
         """
         # The members of the kind are added below. Those of a plain number conflict with none of them.
-        field_data: PlainData = self.plain(replace(field, kind=Number()), inherited_sources)
+        field_data: PlainData = self.to_plain_data(replace(field, kind=Number()), inherited_sources)
         field_data["high"] = self._number_or_text(highest_bit)
         if isinstance(field.equals, str):
             field_data["equals"] = None
@@ -308,7 +308,7 @@ class _Dump:
             case Flag():
                 return "flag", _flag_members(kind)
             case Choice(values):
-                return "choice", {"values": self.plain(values, inherited_sources)}
+                return "choice", {"values": self.to_plain_data(values, inherited_sources)}
             case Constant(value, padding_of):
                 return "constant", {"constant": value, "padding_of": padding_of}
             case Unused(value, verdict):
@@ -319,7 +319,7 @@ class _Dump:
                 odd_or_even = "odd" if parity.is_odd else "even"
                 return "parity", {"parity_of": list(parity.covers), "parity": odd_or_even, "over": parity.over}
             case Decimal(runs):
-                return "digits", {"digits": self.plain(runs, inherited_sources)}
+                return "digits", {"digits": self.to_plain_data(runs, inherited_sources)}
             case Text():
                 return "text", {}
             case _:
@@ -334,7 +334,7 @@ class _Dump:
 
     def _register_data(self, register: Register) -> PlainData:
         """Return a register with its default as hex bytes, the condition for writing it, its joins and its fields."""
-        register_data: PlainData = self.plain(register, ())
+        register_data: PlainData = self.to_plain_data(register, ())
         default_bytes = register.default_bytes()
         register_data["default_bytes"] = default_bytes.hex(" ").upper() if default_bytes is not None else ""
         register_data["opened_by"] = _opening_condition_data(register) if register.opened_by else None
@@ -346,18 +346,18 @@ class _Dump:
         return register_data
 
     def _step_data(self, step: Step, inherited_sources: Sources) -> PlainData:
-        return fill_members(self.plain(step, inherited_sources), "step")
+        return fill_members(self.to_plain_data(step, inherited_sources), "step")
 
     def _example_data(self, example: Example) -> PlainData:
         # An example that is not a frame has no sender. In the data, it has always been the encoder.
-        return fill_members({"from": "encoder"} | self.plain(example, ()), "example")
+        return fill_members({"from": "encoder"} | self.to_plain_data(example, ()), "example")
 
     def _timings_data(self) -> list[PlainData]:
         """Return the times of the device, whose ``interface`` is empty, and the times of each interface."""
-        timings = [self.plain(timing, ()) | {"interface": ""} for timing in self.device.timings]
+        timings = [self.to_plain_data(timing, ()) | {"interface": ""} for timing in self.device.timings]
         for interface in self.device.interfaces:
             for timing in interface.timings:
-                timing_data = self.plain(timing, interface.source)
+                timing_data = self.to_plain_data(timing, interface.source)
                 timings.append(timing_data | {"interface": interface.name})
         return timings
 

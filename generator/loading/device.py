@@ -69,7 +69,7 @@ from .spec_parts import (
     build_supply,
     build_table,
     check_alarms,
-    check_only,
+    check_only_patterns,
     names_set_by_order_codes,
     only_while,
     records,
@@ -100,7 +100,7 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
         return None
     if variants and not check_expression_values(raw_spec, context, variants):
         return None
-    check_only(raw_spec, variants, report)
+    check_only_patterns(raw_spec, variants, report)
     check_alarms(raw_spec, report)
     device = _build_device_without_procedures(
         raw_spec,

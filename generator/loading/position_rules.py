@@ -295,10 +295,10 @@ def _must_use_all_bits(frame: _PositionFrame, total_counts: int) -> bool:
         return True
     if is_signed and measurement.highest:
         return False
-    width_parameters = _parameters_behind(frame.device, *(field.width for field in position_fields))
+    width_parameters = _determining_parameters(frame.device, *(field.width for field in position_fields))
     expressions_of_counts = (measurement.counts_per_turn, measurement.turns, measurement.modulus)
     stated_expressions = [expression for expression in expressions_of_counts if expression is not None]
-    count_parameters = _parameters_behind(frame.device, *stated_expressions)
+    count_parameters = _determining_parameters(frame.device, *stated_expressions)
     return bool(width_parameters) and count_parameters <= width_parameters
 
 
@@ -408,7 +408,7 @@ def _at_run_time(device: Device, expression: Expression) -> bool:
     return not names_from_registers.isdisjoint(device.needed_parameters(expression.parameters))
 
 
-def _parameters_behind(device: Device, *expressions: Expression) -> frozenset[str]:
+def _determining_parameters(device: Device, *expressions: Expression) -> frozenset[str]:
     """Return the parameters that determine these expressions, and that order codes set or registers hold.
 
     A parameter that a formula calculates is replaced by the parameters in the formula.

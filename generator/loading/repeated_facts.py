@@ -348,7 +348,7 @@ def check_stated_lengths(device: Device, report: DocumentReport) -> None:
     A list of lengths, such as ``21, 23 or 26``, must contain the lengths for all order codes. An erratum that counts
     the lengths is checked too.
     """
-    if report.document.family or report.document.other_files:
+    if report.document.family or report.document.other_files:  # Editions and overlays keep texts of the family.
         return
     _check_counted_lengths(device, report)
     for interface in device.interfaces:
@@ -372,7 +372,7 @@ _COUNT_OF_LENGTHS = re.compile(rf"\bhave (?P<count>{'|'.join(_NUMBER_WORDS)}) di
 
 def check_stated_bits(device: Device, report: DocumentReport) -> None:
     """Report a parameter whose meaning ends with numbers of bits that differ from its values for the order codes."""
-    if report.document.family or report.document.other_files:
+    if report.document.family or report.document.other_files:  # Editions and overlays keep texts of the family.
         return
     for parameter in device.parameters:
         statement_match = _BITS_OF_PARAMETER.search(parameter.meaning)

@@ -184,7 +184,7 @@ def names_set_by_order_codes(raw_spec: Raw) -> list[str]:
     return [name for name, definition in raw_spec["parameters"].items() if derived_keys.isdisjoint(definition)]
 
 
-def check_only(raw_spec: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
+def check_only_patterns(raw_spec: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
     """Check each ``patterns_text`` in a spec, the list of patterns for the order codes that a fact applies to.
 
     An order code must match each pattern. In other editions of the manual, which may have fewer order codes, one
