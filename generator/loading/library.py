@@ -162,7 +162,7 @@ def _is_storable(family: Family) -> bool:
     Families with overlays and families of other editions depend on more files.
     """
     files_of_key = set(map(str, family_files(Path(family.document.file))))
-    return family.plain is None and not family.device.base and family.files <= files_of_key
+    return family.without_overlays is None and not family.device.base and family.files <= files_of_key
 
 
 def is_clean(family: Family, report: ProblemReport) -> bool:

@@ -121,7 +121,7 @@ class Family:
     document: Document
     files: frozenset[str]
     #: The same family without its overlays, or None if it has none.
-    plain: Family | None = None
+    without_overlays: Family | None = None
     #: Content of all files on which the device depends, from which the key of a cached result is computed. It is empty
     #: for a family with overlays, and if a file changed while it was read.
     content: Sequence[bytes | str] = ()
@@ -277,7 +277,7 @@ def _apply_overlays(
     if special_name:
         device = _reduce_to_listed_codes(device, overlays, report)
     files = family.files | {overlay.file for overlay in overlays}
-    return Family(device=device, document=document, files=files, plain=None if special_name else family)
+    return Family(device=device, document=document, files=files, without_overlays=None if special_name else family)
 
 
 def _build_overlay(document: Document) -> Overlay:
