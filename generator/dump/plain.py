@@ -1,8 +1,8 @@
 """The model as plain data, for ``show --json`` and the XML description.
 
 Every dataclass of the model becomes a map with the members that the table in ``model/members`` lists for it. Members
-with a different shape in the data are added by the functions of this module. The module ``schema`` describes the whole
-shape.
+with a different form in the data are added by the functions of this module. The module ``schema`` describes the whole
+form.
 
 Every member is always present. A missing number is null, and a missing text is empty. A position or limit that depends
 on the order code is a text such as ``48 - singleturn_bits`` in the data of a family, and a number in the data of an
@@ -223,15 +223,15 @@ class _Dump:
             } | _sources_data(own_sources)
         plain_members = {}
         for member in part_description.members:
-            if member.shape and hasattr(value, member.attribute):
+            if member.data_type and hasattr(value, member.attribute):
                 attribute_value = getattr(value, member.attribute)
                 plain_members[member.name] = self._member_data(member, attribute_value, own_sources)
         return plain_members | _sources_data(own_sources) if part_description.is_sourced else plain_members
 
     def _member_data(self, member: ModelMember, value: Any, inherited_sources: Sources) -> Any:
         """Return a member as plain data. A missing member that would be one of several words is an empty string."""
-        # The shape of such a member begins with ``|``, followed by the possible words: ``|low|high``.
-        is_missing_word = value is None and member.shape.startswith("|")
+        # The type of such a member begins with ``|``, followed by the possible words: ``|low|high``.
+        is_missing_word = value is None and member.data_type.startswith("|")
         return "" if is_missing_word else self.to_plain_data(value, inherited_sources)
 
     def _number_or_text(self, expression: Expression) -> int | str:

@@ -64,9 +64,9 @@ def schema_of_device_data() -> JsonSchema:
 def _object_schema(part: ModelPart) -> JsonSchema:
     """Return the schema of an object with the members of a part of the model. All are required except ``sources``.
 
-    Members without a shape are not in the data.
+    Members without a type are not in the data.
     """
-    members = [member for member in part.members if member.shape]
+    members = [member for member in part.members if member.data_type]
     required_members = members
     optional_members = []
     if part.is_sourced:
@@ -74,7 +74,7 @@ def _object_schema(part: ModelPart) -> JsonSchema:
         optional_members = [_ALL_SOURCES_MEMBER]
     properties = {}
     for member in (*required_members, *optional_members):
-        properties[member.name] = {"description": member.about} | _schema_of(member.shape)
+        properties[member.name] = {"description": member.about} | _schema_of(member.data_type)
     return {
         "description": part.about,
         "type": "object",
@@ -85,7 +85,7 @@ def _object_schema(part: ModelPart) -> JsonSchema:
 
 
 def _schema_of(notation: str) -> JsonSchema:
-    """Return the schema of a type in the notation of ``ModelMember.shape``, such as ``=1`` or ``hex=0``."""
+    """Return the schema of a type in the notation of ``ModelMember.data_type``, such as ``=1`` or ``hex=0``."""
     if notation.startswith("="):
         return {"const": int(notation.removeprefix("="))}
     type_notation, _, default_json = notation.partition("=")
@@ -256,7 +256,7 @@ def _form_of_list(value_schema: Schema, value_type: str) -> MemberForm:
 
 
 def json_types_of(schema: Schema) -> tuple[str, ...]:
-    """Return the JSON types of a value of this shape, such as ``("integer", "null")``. A list of words is a string."""
+    """Return the JSON types of a value with this schema: ``("integer", "null")``. A list of words is a string."""
     if "type" not in schema:
         return ("integer",) if isinstance(schema.get("const"), int) else ("string",)
     json_types = schema["type"]
@@ -264,7 +264,7 @@ def json_types_of(schema: Schema) -> tuple[str, ...]:
 
 
 def is_hexadecimal(schema: Schema) -> bool:
-    """Return whether a number of this shape is written in hexadecimal."""
+    """Return whether a number with this schema is written in hexadecimal."""
     return schema.get("x-form") == "hexadecimal"
 
 

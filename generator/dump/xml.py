@@ -99,8 +99,8 @@ class _XmlWriter:
 
         Args:
             element: The element of the object.
-            dumped: The object as plain data.
-            shape: The JSON Schema of the object.
+            object_data: The object as plain data.
+            object_schema: The JSON Schema of the object.
             inherited_sources: The sources of the parent. Only sources other than these are written.
         """
         own_sources = inherited_sources

@@ -56,7 +56,7 @@ class ExclusiveFacts:
     #: The kind of the facts with an article, such as ``a clock``.
     noun: str
     #: Each fact with its path in the spec.
-    facts: Sequence[tuple[Path, Restricted]]
+    paths_and_facts: Sequence[tuple[Path, Restricted]]
     #: The order codes of the interface or of the device.
     codes: Sequence[str]
     #: Short name of the interface, or "" for facts of the device.
@@ -73,7 +73,7 @@ def check_facts_by_code(raw_spec: Raw, device: Device, report: DocumentReport) -
         return
     for exclusive_facts in _all_exclusive_facts(raw_spec, device, report):
         # ``only`` of a fact lists the order codes that it applies to. It is "" if the fact applies to all of them.
-        depend_on_code = any(fact.only for _, fact in exclusive_facts.facts)
+        depend_on_code = any(fact.only for _, fact in exclusive_facts.paths_and_facts)
         if depend_on_code or not exclusive_facts.has_other_rules:
             _check_unused(exclusive_facts, report)
             _check_overlaps(exclusive_facts, report)
@@ -110,7 +110,7 @@ def _facts_of_interface(
         # If invalid entries were removed, an order code may only seem to have no clock.
         is_complete = (*interface_path, "clock") not in report.document.kept_indices
         yield ExclusiveFacts(
-            noun="a clock", facts=clocks, codes=codes, interface=interface.short, is_needed=is_complete
+            noun="a clock", paths_and_facts=clocks, codes=codes, interface=interface.short, is_needed=is_complete
         )
     if isinstance(interface, Biss):
         timeouts = _with_paths(raw_interface, (*interface_path, "timeout"), interface.timeouts)
@@ -118,7 +118,7 @@ def _facts_of_interface(
         is_complete = (*interface_path, "timeout") not in report.document.kept_indices
         yield ExclusiveFacts(
             noun="a timeout",
-            facts=timeouts,
+            paths_and_facts=timeouts,
             codes=codes,
             interface=interface.short,
             is_needed=is_complete and not is_explained_by_erratum,
@@ -132,7 +132,7 @@ def _facts_of_interface(
         for cable_length, cable_rows in rows_by_cable_length.items():
             noun = f"a clock for cables shorter than {cable_length} m"
             yield ExclusiveFacts(
-                noun=noun, facts=cable_rows, codes=codes, interface=interface.short, has_other_rules=True
+                noun=noun, paths_and_facts=cable_rows, codes=codes, interface=interface.short, has_other_rules=True
             )
     yield from _group_by_name(interface.timings, noun="a timing", path=(*interface_path, "timings"), codes=codes)
 
@@ -165,7 +165,7 @@ def _group_by_name(facts: Sequence[_Named], *, noun: str, path: Path, codes: Seq
     for name, facts_with_name in facts_by_name.items():
         if len(facts_with_name) > 1:
             named_noun = f"{noun} {quoted(name)}"
-            yield ExclusiveFacts(noun=named_noun, facts=facts_with_name, codes=codes, has_other_rules=True)
+            yield ExclusiveFacts(noun=named_noun, paths_and_facts=facts_with_name, codes=codes, has_other_rules=True)
 
 
 def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
@@ -174,7 +174,7 @@ def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> No
     is_other_edition = bool(report.document.family)
     if is_other_edition or not exclusive_facts.interface:
         return
-    for path, fact in exclusive_facts.facts:
+    for path, fact in exclusive_facts.paths_and_facts:
         if _is_reported((*path, "only"), report):
             continue
         if fact.only and not any(applies_to_code(fact.only, code) for code in exclusive_facts.codes):
@@ -189,7 +189,7 @@ def _is_reported(path: Path, report: DocumentReport) -> bool:
 
 def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
     """Report pairs of facts of a kind that apply to the same order code."""
-    for (first_path, first_fact), (second_path, second_fact) in combinations(exclusive_facts.facts, 2):
+    for (first_path, first_fact), (second_path, second_fact) in combinations(exclusive_facts.paths_and_facts, 2):
         codes_of_first = [code for code in exclusive_facts.codes if applies_to_code(first_fact.only, code)]
         common_codes = [code for code in codes_of_first if applies_to_code(second_fact.only, code)]
         if common_codes:
@@ -204,14 +204,14 @@ def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None
     """Report the order codes that none of the facts applies to, if each order code needs one."""
     if not exclusive_facts.is_needed:
         return
-    facts = [fact for _, fact in exclusive_facts.facts]
+    facts = [fact for _, fact in exclusive_facts.paths_and_facts]
     # A wrong pattern has been reported. It was probably meant for the order codes without a fact.
-    has_wrong_pattern = any(_is_reported((*path, "only"), report) for path, _ in exclusive_facts.facts)
+    has_wrong_pattern = any(_is_reported((*path, "only"), report) for path, _ in exclusive_facts.paths_and_facts)
     if not facts or has_wrong_pattern:
         return
     codes_without_fact = [code for code in exclusive_facts.codes if not facts_for_code(facts, code)]
     if codes_without_fact:
-        last_path, _ = exclusive_facts.facts[-1]
+        last_path, _ = exclusive_facts.paths_and_facts[-1]
         noun = exclusive_facts.noun.removeprefix("a ")
         message = f"{_codes_text(codes_without_fact)} {_has_or_have(codes_without_fact)} no {noun}"
         remedy = "extend 'only', or add an entry for other order codes"

@@ -84,7 +84,7 @@ class Timeout:
     """Timeout after a frame. ``rule`` is ``follows_clock`` or ``fixed``."""
 
     rule: Literal["follows_clock", "fixed"] = key(
-        "Rule of the timeout: it depends on the clock, or it is fixed.", read="time", shape="name"
+        "Rule of the timeout: it depends on the clock, or it is fixed.", read="time", data_type="name"
     )
     half_clock_periods: int | None = key(
         "Length in half clock periods: 3 is one and a half periods.",
@@ -166,7 +166,7 @@ class DataChannels:
         "Fields with the same position, by layout, as in {cpw: singleturn, spw: safe_singleturn}. Their "
         "highest bits must agree, otherwise the position is not usable.",
         data="Fields whose highest bits must agree, by layout.",
-        shape="{string}",
+        data_type="{string}",
         most=8,
         default=NOTHING,
         rule="channels-of-frame",

@@ -393,7 +393,7 @@ class Scale:
         "µm",
         "µs",
         "Ω",
-    ] = key("Unit of the quantity.", shape="string")
+    ] = key("Unit of the quantity.", data_type="string")
     source: Sources = source_key(default=())
 
     def quantity(self, number: int) -> Fraction:

@@ -126,7 +126,7 @@ class SpecKey(NamedTuple):
         writing: Further sentences for the author of a spec.
         reading: Further sentences for users of the data.
         data: Description for users of the data, if it is not ``about`` with ``reading``.
-        shape: Type in the data, if it does not follow from the type of the key.
+        data_type: Type in the data, if it does not follow from the type of the key.
         is_written: True if specs contain the key.
         pattern: Regular expression of a text.
         minimum: Lowest number.
@@ -145,7 +145,7 @@ class SpecKey(NamedTuple):
     writing: str = ""
     reading: str = ""
     data: str = ""
-    shape: str = ""
+    data_type: str = ""
     is_written: bool = True
     pattern: str = ""
     minimum: int | None = None

@@ -129,7 +129,9 @@ def parts_of_records() -> Iterator[tuple[str, ModelPart]]:
 def test_records_of_python_have_the_members(record: str, part: ModelPart) -> None:
     """A member of the data that the class of a record lacks would be missing from the Python package."""
     names = {member.name for member in facts.runtime_records().members[record]} | set(ELSEWHERE.get(record, "").split())
-    assert {member.name for member in part.members if member.shape and member.attribute not in names} - names == set()
+    assert {
+        member.name for member in part.members if member.data_type and member.attribute not in names
+    } - names == set()
 
 
 NEW = ModelMember("needs_restart", "boolean=false", "True if it needs a restart.", "register-rule", read="behaviour")
