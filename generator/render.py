@@ -100,7 +100,7 @@ def unused_templates(
 
     Args:
         own_folder: The user's folder, which has a folder for each target.
-        rendered: The templates of the targets that ran, keyed by the name of the target.
+        templates_by_target: The templates of the targets that ran, keyed by the name of the target.
         other_targets: The names of targets that did not run, whose folders are ignored.
     """
     from .environments import own_loader

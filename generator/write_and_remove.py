@@ -52,8 +52,8 @@ def list_changes(folder: Path, target_name: str, text_by_path: Mapping[str, str]
 
     Args:
         folder: The output folder.
-        target: Name of the target, which is the first part of every path.
-        files: Text of each file, keyed by its path relative to the output folder, with slashes.
+        target_name: Name of the target, which is the first part of every path.
+        text_by_path: Text of each file, keyed by its path relative to the output folder, with slashes.
 
     Raises:
         WriteError: A path is outside the target's folder, or the folder cannot be read.
@@ -329,8 +329,8 @@ def _in_the_way(
 
     Args:
         folder: The output folder.
-        target: Name of the target.
-        files: Contents of all files of the target, by path.
+        target_name: Name of the target.
+        text_by_path: Text of each file of the target.
         paths_to_write: Paths of the files that would be written.
     """
     # Codewheel wrote these files in an earlier run. One of them may be where a folder is needed now.
