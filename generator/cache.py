@@ -226,9 +226,9 @@ def _read(folder: Path, key: str) -> Any:
     stored_hash, entry_json = content[:_HASH_DIGITS], content[_HASH_DIGITS:]
     if hashlib.sha256(entry_json).hexdigest().encode() != stored_hash:
         return None
-    entry = json.loads(entry_json)
-    has_requested_key = isinstance(entry, dict) and entry.get("key") == key
-    return entry.get("data") if has_requested_key else None
+    stored_entry = json.loads(entry_json)
+    has_requested_key = isinstance(stored_entry, dict) and stored_entry.get("key") == key
+    return stored_entry.get("data") if has_requested_key else None
 
 
 def _write(folder: Path, key: str, content: bytes) -> None:

@@ -262,24 +262,28 @@ def _check_fit(
     has_overlap = False
     checked_items: list[tuple[range, UnplacedItem]] = []
     for field_item in field_items:
-        width = field_item.width.value(parameters)
-        low = field_item.low.value(parameters)
-        occupied_bits = range(low, low + field_item.padded_width.value(parameters))
+        bit_count = field_item.width.value(parameters)
+        lowest_bit = field_item.low.value(parameters)
+        occupied_bits = range(lowest_bit, lowest_bit + field_item.padded_width.value(parameters))
         condition = condition_text(parameters, field_item.width, field_item.low)
         problem = _range_problem(
-            field_item, width=width, occupied_bits=occupied_bits, layout_bit_count=layout_bit_count, condition=condition
+            field_item,
+            width=bit_count,
+            occupied_bits=occupied_bits,
+            layout_bit_count=layout_bit_count,
+            condition=condition,
         )
         if problem is not None:
             spec_place.context.report.add(problem.rule, field_item.path, problem.message)
             return False
-        if width == 0:  # This order code does not have the field.
+        if bit_count == 0:  # This order code does not have the field.
             continue
         for other_occupied_bits, other_item in checked_items:
             lowest_common = max(occupied_bits.start, other_occupied_bits.start)
             highest_common = min(occupied_bits.stop, other_occupied_bits.stop) - 1
             if lowest_common <= highest_common:
-                names = f"'{field_item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
-                message = f"{names} both use {bits_text(highest_common, lowest_common)}{condition}"
+                both_names = f"'{field_item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
+                message = f"{both_names} both use {bits_text(highest_common, lowest_common)}{condition}"
                 spec_place.context.report.add("bit-overlap", field_item.path, message)
                 has_overlap = True
         checked_items.append((occupied_bits, field_item))

@@ -65,9 +65,9 @@ def check_examples(device: Device, report: DocumentReport) -> None:
             continue
         for error in _errors_of_example(device, example):
             message = f"example '{example.name}' does not match: {error.message}"
-            path = ("examples", example.name, *error.path)
+            error_path = ("examples", example.name, *error.path)
             # A CRC with a wrong start value contradicts all its examples, which is one problem.
-            report.add("example-contradicts", path, message, cause=_name_of_wrong_crc(device, example))
+            report.add("example-contradicts", error_path, message, cause=_name_of_wrong_crc(device, example))
 
 
 def _name_of_wrong_crc(device: Device, example: Example) -> str:

@@ -267,7 +267,7 @@ def _build_combination(raw_combination: Raw) -> Combination:
 def _name_reserved_numbers(named_values: Sequence[Value], width: int) -> tuple[Value, ...]:
     """Return a named value, such as ``reserved_3``, for each number of ``width`` bits without a named value."""
     meaning = "Reserved: the manual does not say what it means"
-    listed_numbers = {value.value for value in named_values}
+    listed_numbers = {named_value.value for named_value in named_values}
     reserved_values: list[Value] = []
     for number in range(1 << width):
         if number not in listed_numbers:
@@ -401,19 +401,20 @@ def check_byte_orders(layout: Layout, spec_place: SpecPlace) -> None:
 
 def _problem_of_byte_order(layout: Layout, field: Field, spec_place: SpecPlace) -> str:
     """Return why a field cannot have a byte order that differs from that of its layout, with a fix, or ""."""
-    name = f"'{field.name}'"
+    quoted_name = f"'{field.name}'"
     if spec_place.is_in_register:
-        return f"{name} is in a register, whose 'byte_order' applies to all fields; remove 'byte_order' here"
+        return f"{quoted_name} is in a register, whose 'byte_order' applies to all fields; remove 'byte_order' here"
     if INTERFACES[spec_place.interface].carried_as == "bits":
         title = INTERFACES[spec_place.interface].title
-        return f"{name} is sent over {title}, as bits; describe each byte as a field, and 'join' them"
+        return f"{quoted_name} is sent over {title}, as bits; describe each byte as a field, and 'join' them"
     if field.name == layout.selector:
-        return f"{name} distinguishes frames, so its bytes have the order of the layout; remove 'byte_order'"
+        return f"{quoted_name} distinguishes frames, so its bytes have the order of the layout; remove 'byte_order'"
     if not field.is_fixed:
-        return f"the place or width of {name} depends on the order code; remove 'byte_order', or write constant widths"
+        problem = f"the place or width of {quoted_name} depends on the order code"
+        return f"{problem}; remove 'byte_order', or write constant widths"
     if field.container:
-        return f"{name} has 'padded_to'; write its bits with the padding as 'bits', and remove 'padded_to'"
-    width, low = field.width.constant, field.low.constant
-    if width % 8 or low % 8 or width < 16:
-        return f"{name} does not fill two or more whole bytes, so it has no byte order; remove 'byte_order'"
+        return f"{quoted_name} has 'padded_to'; write its bits with the padding as 'bits', and remove 'padded_to'"
+    bit_count, lowest_bit = field.width.constant, field.low.constant
+    if bit_count % 8 or lowest_bit % 8 or bit_count < 16:
+        return f"{quoted_name} does not fill two or more whole bytes, so it has no byte order; remove 'byte_order'"
     return ""

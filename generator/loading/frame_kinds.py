@@ -102,10 +102,10 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
     """
     for interface in device.interfaces:
         for layout in interface.layouts:
-            layout_place = f"interfaces.{interface.name}.{layout.name}"
+            layout_path = f"interfaces.{interface.name}.{layout.name}"
             verdicts: list[Verdict] = []
             for field in layout.fields:
-                if _is_affected(field, layout_place, erratum):
+                if _is_affected(field, layout_path, erratum):
                     verdicts += _verdicts_of_field(field)
             if not verdicts:
                 continue
@@ -355,7 +355,7 @@ def check_selector_places(device: Device, report: DocumentReport) -> None:
         for layout in interface.layouts:
             if not layout.selector:
                 continue
-            path: Path = ("interfaces", interface.name, "layouts", layout.name, "when")
+            key_path: Path = ("interfaces", interface.name, "layouts", layout.name, "when")
             selector = next((field for field in layout.fields if field.name == layout.selector), None)
             if selector is None:
                 continue  # Reported by the rule on references.
@@ -363,7 +363,7 @@ def check_selector_places(device: Device, report: DocumentReport) -> None:
             if not has_fixed_place:
                 report.add(
                     "selector-place",
-                    path,
+                    key_path,
                     f"the position of '{layout.selector}' depends on the order code; bits that identify a frame must"
                     " have a fixed position",
                 )
@@ -376,4 +376,4 @@ def check_selector_places(device: Device, report: DocumentReport) -> None:
                     f"'{layout.selector}' is not at the same position as in '{first_name}'; the same bits must"
                     " distinguish all frames of a sender"
                 )
-                report.add("selector-place", path, message)
+                report.add("selector-place", key_path, message)

@@ -61,8 +61,8 @@ def check_settings_of_crcs(device: Device, report: DocumentReport) -> None:
             if deciding_parameters:
                 problem = f"the CRC '{field.name}' depends on the register value '{min(deciding_parameters)}'"
                 remedy = f"list its widths, 0 and {field.widest}, in 'by_code' of this parameter"
-                path = ("interfaces", interface.name, "layouts", layout.name, "fields", field.name)
-                report.add("width-mismatch", path, f"{problem}; {remedy}")
+                field_path = ("interfaces", interface.name, "layouts", layout.name, "fields", field.name)
+                report.add("width-mismatch", field_path, f"{problem}; {remedy}")
 
 
 def check_crc(layout: Layout, field: Field, crc_value: CrcValue, spec_place: SpecPlace) -> None:
@@ -235,22 +235,23 @@ def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]
         yield _Problem(("order", 0), f"{message}; correct one of them")
     name_by_channel_number: dict[int | None, str] = {}
     for channel_index, layout in enumerate(layouts):
-        path: Path = ("order", channel_index)
+        channel_path: Path = ("order", channel_index)
         layout_text = quoted(layout.name)
         other_name = name_by_channel_number.setdefault(layout.channel, layout.name)
         is_listed_before = layout in layouts[:channel_index]
         if is_listed_before:
-            yield _Problem(path, f"{layout_text} is listed twice; list each channel once")
+            yield _Problem(channel_path, f"{layout_text} is listed twice; list each channel once")
         elif layout.channel is None:
-            yield _Problem(path, f"{layout_text} has no 'channel'; give each channel of the frame its number")
+            yield _Problem(channel_path, f"{layout_text} has no 'channel'; give each channel of the frame its number")
         elif other_name != layout.name:
             yield _Problem(
-                path,
+                channel_path,
                 f"{quoted(other_name)} and {layout_text} have the same 'channel' {layout.channel}; correct one of them",
             )
         elif layout.in_bytes:
             yield _Problem(
-                path, f"{layout_text} is carried as bytes, but a channel of a frame is one word of at most 64 bits"
+                channel_path,
+                f"{layout_text} is carried as bytes, but a channel of a frame is one word of at most 64 bits",
             )
 
 
@@ -292,15 +293,15 @@ def _comparison_problems(
     if len(channels.compared) == 1:
         yield _Problem(("compared",), "one field cannot be compared; list the field of each channel")
     for layout_name, field_name in channels.compared.items():
-        path: Path = ("compared", layout_name)
+        field_path: Path = ("compared", layout_name)
         field = layout_by_name[layout_name].find_field(field_name)
         if layout_name not in channels.order:
-            yield _Problem(path, f"{quoted(layout_name)} is not in 'order'; add it, or leave it out here")
+            yield _Problem(field_path, f"{quoted(layout_name)} is not in 'order'; add it, or leave it out here")
         elif field is None:
-            yield _Problem(path, f"{quoted(layout_name)} has no field {quoted(field_name)}")
+            yield _Problem(field_path, f"{quoted(layout_name)} has no field {quoted(field_name)}")
         elif not _is_plain_number(field):
             yield _Problem(
-                path, f"{quoted(field_name)} is not an unsigned number, so its highest bits cannot be compared"
+                field_path, f"{quoted(field_name)} is not an unsigned number, so its highest bits cannot be compared"
             )
         else:
             yield from _width_problems(device, channels, layout_by_name[layout_name], field_name)
@@ -338,24 +339,24 @@ def _width_problems(device: Device, channels: DataChannels, layout: Layout, fiel
 
 def check_control_bytes(device: Device, report: DocumentReport) -> None:
     """Check that the control byte that the manual gives for each data ID matches the fields of its request."""
-    interface = device.find_interface(Rs485)
-    if interface is None or not valid_parts_so_far(report).has_valid_layouts:
+    rs485 = device.find_interface(Rs485)
+    if rs485 is None or not valid_parts_so_far(report).has_valid_layouts:
         return
-    variants = device.variants_over(interface.name)
+    variants = device.variants_over(rs485.name)
     if not variants:
         return
-    for data_id in interface.data_ids:
-        path: Path = ("interfaces", interface.name, "data_ids", data_id.name)
-        layouts = [layout for layout in interface.layouts if data_id.id in layout.selects]
+    for data_id in rs485.data_ids:
+        data_id_path: Path = ("interfaces", rs485.name, "data_ids", data_id.name)
+        layouts = [layout for layout in rs485.layouts if data_id.id in layout.selects]
         if not layouts:
             problem = f"no layout has data ID {data_id.id:X} in its 'when'; add it to one"
-            report.add("undefined-reference", path, problem)
+            report.add("undefined-reference", data_id_path, problem)
             continue
         control_byte = _control_byte(device, layouts[0], data_id, variants[0])
         if control_byte is not None and control_byte != data_id.control:
             problem = f"according to its fields, the control field of data ID {data_id.id:X} is {control_byte:#04x}"
             message = f"{problem}, but it is {data_id.control:#04x} in the manual"
-            report.add("control-mismatch", (*path, "control"), message)
+            report.add("control-mismatch", (*data_id_path, "control"), message)
 
 
 def _control_byte(device: Device, layout: Layout, data_id: DataId, variant: Variant) -> int | None:
@@ -372,13 +373,11 @@ def _control_byte(device: Device, layout: Layout, data_id: DataId, variant: Vari
 
 def check_requests(device: Device, report: DocumentReport) -> None:
     """Check that an RS-485 encoder can distinguish its requests: any two must differ in a constant."""
-    interface = device.find_interface(Rs485)
-    if interface is None or not interface.exchanges or not valid_parts_so_far(report).has_valid_layouts:
+    rs485 = device.find_interface(Rs485)
+    if rs485 is None or not rs485.exchanges or not valid_parts_so_far(report).has_valid_layouts:
         return
-    layout_by_name = {layout.name: layout for layout in interface.layouts}
-    requests = [
-        layout_by_name[exchange.request] for exchange in interface.exchanges if exchange.request in layout_by_name
-    ]
+    layout_by_name = {layout.name: layout for layout in rs485.layouts}
+    requests = [layout_by_name[exchange.request] for exchange in rs485.exchanges if exchange.request in layout_by_name]
     for index, request in enumerate(requests):
         ambiguous_requests = [
             earlier_request for earlier_request in requests[:index] if not _constants_differ(earlier_request, request)
@@ -386,7 +385,7 @@ def check_requests(device: Device, report: DocumentReport) -> None:
         if ambiguous_requests:
             names_of_both = f"'{request.name}' from '{ambiguous_requests[0].name}'"
             problem = f"no constant distinguishes {names_of_both}; add the command as a 'constant' to both"
-            report.add("rs485-exchange", ("interfaces", interface.name, "layouts", request.name), problem)
+            report.add("rs485-exchange", ("interfaces", rs485.name, "layouts", request.name), problem)
 
 
 def _constants_differ(layout: Layout, other_layout: Layout) -> bool:

@@ -251,10 +251,10 @@ def _affected_path(raw_spec: Raw, path_in_change: str) -> str:
     If the change adds a part, this is the path of the existing part that it is added to.
     """
     try:
-        path = resolve(raw_spec, path_in_change)
+        spec_path = resolve(raw_spec, path_in_change)
     except MissingPath as missing_path:  # The added part does not exist yet.
-        path = missing_path.existing_path
-    return as_affected(raw_spec, path)
+        spec_path = missing_path.existing_path
+    return as_affected(raw_spec, spec_path)
 
 
 def check_editions(raw_spec: Raw, device: Device, report: DocumentReport) -> None:

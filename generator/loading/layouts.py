@@ -198,38 +198,41 @@ def _with_gap_fields(
 
 
 def _build_items(
-    raw_fields: Sequence[Raw], path: Path, context: LayoutContext, low_byte_first: bool
+    raw_fields: Sequence[Raw], list_path: Path, context: LayoutContext, low_byte_first: bool
 ) -> list[UnplacedItem] | None:
     """Return the fields and groups of a layout without their places, unless they state them.
 
     If one of them is not valid, this is reported elsewhere, and the result is None.
     """
     field_items = [
-        _build_item(raw_field, (*path, index), context, low_byte_first) for index, raw_field in enumerate(raw_fields)
+        _build_item(raw_field, (*list_path, index), context, low_byte_first)
+        for index, raw_field in enumerate(raw_fields)
     ]
     valid_items = [field_item for field_item in field_items if field_item is not None]
     return valid_items if len(valid_items) == len(field_items) else None
 
 
-def _build_item(raw_field: Raw, path: Path, context: LayoutContext, low_byte_first: bool) -> UnplacedItem | None:
+def _build_item(raw_field: Raw, field_path: Path, context: LayoutContext, low_byte_first: bool) -> UnplacedItem | None:
     """Return a field or a whole group of fields, with its width, or None if it is not valid.
 
     If the field states its place, the result contains it. Otherwise, the place is 0 until it is known. The padded width
     is the number of bits that the field occupies: its width, or ``padded_to`` bits.
     """
     if "use" in raw_field:
-        return _build_group_item(raw_field, path, context, low_byte_first)
+        return _build_group_item(raw_field, field_path, context, low_byte_first)
     width = _width_of_field(raw_field, context)
     if width is None:
         return None
-    lowest_bit = _lowest_bit_of_field(raw_field, width, path, context) if _is_placed(raw_field) else ZERO
+    lowest_bit = _lowest_bit_of_field(raw_field, width, field_path, context) if _is_placed(raw_field) else ZERO
     if lowest_bit is None:
         return None
     padded_width = Expression(raw_field["padded_to"]) if "padded_to" in raw_field else width
-    return UnplacedItem(raw_field, path, group="", width=width, padded_width=padded_width, low=lowest_bit)
+    return UnplacedItem(raw_field, field_path, group="", width=width, padded_width=padded_width, low=lowest_bit)
 
 
-def _build_group_item(raw_field: Raw, path: Path, context: LayoutContext, low_byte_first: bool) -> UnplacedItem | None:
+def _build_group_item(
+    raw_field: Raw, field_path: Path, context: LayoutContext, low_byte_first: bool
+) -> UnplacedItem | None:
     """Return a whole group of fields that a layout uses, or None if there is no such group or it is not valid."""
     if raw_field["use"] not in context.group_and_path_by_name:
         return None
@@ -238,11 +241,11 @@ def _build_group_item(raw_field: Raw, path: Path, context: LayoutContext, low_by
     if group_items is None:
         return None
     width = Expression(raw_group["bits"])
-    return UnplacedItem({"group": group_items}, path, group=raw_field["use"], width=width, padded_width=width)
+    return UnplacedItem({"group": group_items}, field_path, group=raw_field["use"], width=width, padded_width=width)
 
 
 def _build_items_of_group(
-    raw_group: Raw, path: Path, context: LayoutContext, low_byte_first: bool
+    raw_group: Raw, group_path: Path, context: LayoutContext, low_byte_first: bool
 ) -> list[UnplacedItem] | None:
     """Return the fields of a group with their places in the group, or None if they are not valid.
 
@@ -250,14 +253,14 @@ def _build_items_of_group(
     """
     # A field without a citation has the citation of the group.
     raw_fields = [{"source": raw_group["source"], **raw_field} for raw_field in raw_group["fields"]]
-    group_items = _build_items(raw_fields, (*path, "fields"), context, low_byte_first)
+    group_items = _build_items(raw_fields, (*group_path, "fields"), context, low_byte_first)
     if group_items is None:
         return None
     if not any(_is_placed(field_item.raw) for field_item in group_items):
         group_items, total_width = _place_in_sequence(group_items, low_byte_first)
         if total_width != Expression(raw_group["bits"]):
             problem = f"the fields of group '{raw_group['name']}' have {total_width.render()} bits"
-            context.report.add("width-mismatch", path, f"{problem}, but 'bits' is {raw_group['bits']}")
+            context.report.add("width-mismatch", group_path, f"{problem}, but 'bits' is {raw_group['bits']}")
             return None
     return [replace(field_item, group=raw_group["name"]) for field_item in group_items]
 
@@ -283,7 +286,9 @@ def _width_of_field(raw_field: Raw, context: LayoutContext) -> Expression | None
     return Expression(1) if "active" in raw_field or "parity_of" in raw_field else None
 
 
-def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context: LayoutContext) -> Expression | None:
+def _lowest_bit_of_field(
+    raw_field: Raw, width: Expression, field_path: Path, context: LayoutContext
+) -> Expression | None:
     """Return the lowest bit of a field, which ``low_bit``, ``top_bit`` or ``at`` determines, or None if not valid."""
     if "low_bit" in raw_field:
         return context.expression(raw_field["low_bit"])
@@ -293,7 +298,7 @@ def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context:
     if highest_and_lowest_bit is None:
         context.report.add(
             "bad-position",
-            (*path, "at"),
+            (*field_path, "at"),
             f"'{raw_field['at']}' is not a position; write a bit number, or a range with the high bit first, as in 7:6",
         )
         return None

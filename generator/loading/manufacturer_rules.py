@@ -156,9 +156,9 @@ def _facts_at(spec: Document, steps: Sequence[str]) -> _Facts:
         else:
             node = node.get(step) if isinstance(node, dict) else None
     fact_by_path: dict[Path, object] = {}
-    for path, value in leaves(node):
-        if value is not None and _KEYS_NOT_COMPARED.isdisjoint(map(str, path)):
-            fact_by_path[path] = value
+    for path_of_value, spec_value in leaves(node):
+        if spec_value is not None and _KEYS_NOT_COMPARED.isdisjoint(map(str, path_of_value)):
+            fact_by_path[path_of_value] = spec_value
     return fact_by_path
 
 
@@ -421,25 +421,25 @@ def _report_different_facts(
 
 def _shared_facts(section: str, register_or_crc: WrittenRegister | LocatedPart[Crc]) -> Iterator[_SharedFact]:
     """Yield the facts of a register or CRC that devices share."""
-    for key, number_format in _SHARED_FACT_FORMS[section].items():
-        if key in register_or_crc.data:
-            text = _fact_text(number_format, register_or_crc.data[key])
-            yield _SharedFact(affected=(key,), path=(key,), text=text)
+    for fact_key, number_format in _SHARED_FACT_FORMS[section].items():
+        if fact_key in register_or_crc.data:
+            fact_text = _fact_text(number_format, register_or_crc.data[fact_key])
+            yield _SharedFact(affected=(fact_key,), path=(fact_key,), text=fact_text)
     if not isinstance(register_or_crc, WrittenRegister):
         return  # A CRC has no fields.
-    for index, field in enumerate(register_or_crc.fields):
+    for field_index, field in enumerate(register_or_crc.fields):
         if field.name:
-            yield from _facts_of_field(field, ("fields", index))
+            yield from _facts_of_field(field, ("fields", field_index))
 
 
 def _facts_of_field(field: WrittenField, field_path: Path) -> Iterator[_SharedFact]:
     """Yield the facts of a register field that devices share: its place, its width and its named values."""
-    for key, number_or_text in (("at", field.at), ("bits", field.bits)):
+    for fact_key, number_or_text in (("at", field.at), ("bits", field.bits)):
         if number_or_text is not None:
-            yield _SharedFact(affected=(field.name, key), path=(*field_path, key), text=str(number_or_text))
+            yield _SharedFact(affected=(field.name, fact_key), path=(*field_path, fact_key), text=str(number_or_text))
     for value_name, named_value in field.values.items():
-        path = (*field_path, "values", value_name, "value")
-        yield _SharedFact(affected=(field.name, value_name, "value"), path=path, text=str(named_value.value))
+        value_path = (*field_path, "values", value_name, "value")
+        yield _SharedFact(affected=(field.name, value_name, "value"), path=value_path, text=str(named_value.value))
 
 
 def _fact_text(number_format: str, fact: object) -> str:

@@ -137,13 +137,15 @@ def _facts_of_interface(
     yield from _group_by_name(interface.timings, noun="a timing", path=(*interface_path, "timings"), codes=codes)
 
 
-def _with_paths(raw_parent: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
+def _with_paths(
+    raw_parent: Raw, key_path: tuple[str, ...], facts: Sequence[Restricted]
+) -> list[tuple[Path, Restricted]]:
     """Return facts with their paths in the spec. A single fact may be written without a list."""
-    key = path[-1]
-    is_single = isinstance(raw_parent.get(key), Mapping)
+    spec_key = key_path[-1]
+    is_single = isinstance(raw_parent.get(spec_key), Mapping)
     if is_single:
-        return [(path, fact) for fact in facts]
-    return [((*path, index), fact) for index, fact in enumerate(facts)]
+        return [(key_path, fact) for fact in facts]
+    return [((*key_path, fact_index), fact) for fact_index, fact in enumerate(facts)]
 
 
 class _Named(Restricted, Protocol):
@@ -159,12 +161,12 @@ def _group_by_name(facts: Sequence[_Named], *, noun: str, path: Path, codes: Seq
     ``path`` is the path of the list of facts, and ``noun`` is ``a timing`` or the like.
     """
     facts_by_name: dict[str, list[tuple[Path, Restricted]]] = {}
-    for index, fact in enumerate(facts):
-        path_and_fact = ((*path, index), fact)
+    for fact_index, fact in enumerate(facts):
+        path_and_fact = ((*path, fact_index), fact)
         facts_by_name.setdefault(fact.name, []).append(path_and_fact)
-    for name, facts_with_name in facts_by_name.items():
+    for shared_name, facts_with_name in facts_by_name.items():
         if len(facts_with_name) > 1:
-            named_noun = f"{noun} {quoted(name)}"
+            named_noun = f"{noun} {quoted(shared_name)}"
             yield ExclusiveFacts(noun=named_noun, paths_and_facts=facts_with_name, codes=codes, has_other_rules=True)
 
 
@@ -174,12 +176,12 @@ def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> No
     is_other_edition = bool(report.document.family)
     if is_other_edition or not exclusive_facts.interface:
         return
-    for path, fact in exclusive_facts.paths_and_facts:
-        if _is_reported((*path, "only"), report):
+    for fact_path, fact in exclusive_facts.paths_and_facts:
+        if _is_reported((*fact_path, "only"), report):
             continue
         if fact.only and not any(applies_to_code(fact.only, code) for code in exclusive_facts.codes):
             message = f"no order code with {exclusive_facts.interface} matches {quoted(fact.only)}"
-            report.add("only-codes", (*path, "only"), f"{message}; correct the pattern, or remove the entry")
+            report.add("only-codes", (*fact_path, "only"), f"{message}; correct the pattern, or remove the entry")
 
 
 def _is_reported(path: Path, report: DocumentReport) -> bool:

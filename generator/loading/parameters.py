@@ -255,10 +255,10 @@ def _check_set_values(
         for text_of_value, raw_value in raw_part["values"].items():
             set_number = (raw_value or {}).get("sets", {}).get(parameter_name)
             if values_with_code and set_number is not None and set_number not in values_with_code:
-                path = ("order_code", "parts", part_index, "values", text_of_value, "sets", parameter_name)
+                value_path = ("order_code", "parts", part_index, "values", text_of_value, "sets", parameter_name)
                 report.add(
                     "default-does-not-fit",
-                    path,
+                    value_path,
                     f"{set_number} is not one of the values in 'by_code' of {quoted(parameter_name)}",
                 )
 
@@ -268,15 +268,15 @@ def _check_codes(parameter_name: str, raw_parameter: Raw, bit_count: int, report
     first_text_by_code: dict[int, str] = {}
     for code_text in raw_parameter.get("by_code", {}):
         code = int(code_text, 0)  # Base 0 reads 0x10 as hexadecimal.
-        path = ("parameters", parameter_name, "by_code", code_text)
+        code_path = ("parameters", parameter_name, "by_code", code_text)
         has_too_many_bits = code >> bit_count != 0
         if has_too_many_bits:
             message = f"the code {code_text} does not fit into the {bit_count} bits of '{raw_parameter['read_from']}'"
-            report.add("value-too-wide", path, message, at_key=True)
+            report.add("value-too-wide", code_path, message, at_key=True)
         elif code in first_text_by_code:
             report.add(
                 "value-clash",
-                path,
+                code_path,
                 f"{first_text_by_code[code]} and {code_text} are the same code; keep one",
                 at_key=True,
             )

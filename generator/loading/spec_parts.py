@@ -247,17 +247,17 @@ def _codes_in_words(only: str) -> str:
     return f"the order codes {quoted(only)}" if only else "all order codes"
 
 
-def _mappings_with_only(raw_value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
+def _mappings_with_only(raw_value: Any, spec_path: Path) -> Iterator[tuple[Path, Raw]]:
     """Yield the path and the content of each map in a spec that has the key ``only``, at any depth."""
     if isinstance(raw_value, Mapping):
         if isinstance(raw_value.get("only"), str):
-            yield path, raw_value
+            yield spec_path, raw_value
         for key, inner_value in raw_value.items():
             if key not in ("also_written", "names"):  # The keys below these are texts on labels and languages.
-                yield from _mappings_with_only(inner_value, (*path, key))
+                yield from _mappings_with_only(inner_value, (*spec_path, key))
     elif isinstance(raw_value, (list, tuple)):
         for index, inner_value in enumerate(raw_value):
-            yield from _mappings_with_only(inner_value, (*path, index))
+            yield from _mappings_with_only(inner_value, (*spec_path, index))
 
 
 def build_procedures(raw_spec: Raw, device: Device) -> tuple[Procedure, ...]:
@@ -410,7 +410,7 @@ def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
     faulty_paths: set[Path] = set()
     for fault_path in faults:
         faulty_paths.update(fault_path[:step_count] for step_count in range(1, len(fault_path) + 1))
-    faulty_parts = {part for part, path in _parts_with_paths(spec) if path in faulty_paths}
+    faulty_parts = {part for part, part_path in _parts_with_paths(spec) if part_path in faulty_paths}
     for field_list in field_lists(spec):  # Field groups come first, because layouts and registers may use them.
         used_parts = [("field_groups", field.use) for field in field_list.fields]
         used_parts += [("crcs", field.crc) for field in field_list.fields]

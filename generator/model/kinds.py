@@ -107,14 +107,14 @@ class WholeCode(NamedTuple):
 DIGIT_CODES: Mapping[str, DigitCode | WholeCode] = MappingProxyType({"bcd": DigitCode("BCD", 4, tuple(range(10)))})
 
 
-def code_in_field(name: str, width: int) -> DigitCode | None:
-    """Return the code ``name`` of ``DIGIT_CODES`` for a field of ``width`` bits, or None without a name."""
-    if not name:
+def code_in_field(code_name: str, bit_count: int) -> DigitCode | None:
+    """Return the code ``code_name`` of ``DIGIT_CODES`` for a field of ``bit_count`` bits, or None without a name."""
+    if not code_name:
         return None
-    code = DIGIT_CODES[name]
-    if isinstance(code, WholeCode):
-        return DigitCode(name=code.name, bits=width, codes=tuple(code.codes_of(width)))
-    return code
+    digit_code = DIGIT_CODES[code_name]
+    if isinstance(digit_code, WholeCode):
+        return DigitCode(name=digit_code.name, bits=bit_count, codes=tuple(digit_code.codes_of(bit_count)))
+    return digit_code
 
 
 @part("A group of decimal digits.", data="Decimal digits inside a number: number // divisor % modulus.")
