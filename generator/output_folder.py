@@ -326,7 +326,8 @@ def stages_in(folder: Path) -> list[Stage]:
         if stage_match and entry.is_dir(follow_symlinks=False):
             with suppress(OSError, WriteError):
                 if _has_mark(Path(entry.path)):
-                    stages.append(Stage(Path(entry.path), folder / stage_match[1]))
+                    target_name = stage_match[1]  # The c of .codewheel-c-ab12cd34.
+                    stages.append(Stage(Path(entry.path), folder / target_name))
     return stages
 
 

@@ -345,9 +345,8 @@ class Device:
             # A field without bits for the order code counts as one bit.
             half_of_numbers = 1 << (max(field.width, 1) - 1)
             return -half_of_numbers, half_of_numbers - 1
-        return position_range.lowest.value(placed_layout.parameters), position_range.highest.value(
-            placed_layout.parameters
-        )
+        lowest = position_range.lowest.value(placed_layout.parameters)
+        return lowest, position_range.highest.value(placed_layout.parameters)
 
     def register(self, name: str) -> Register:
         return member_named(self.registers, name, "register")
