@@ -51,11 +51,11 @@ def default_folder() -> Path | None:
     It is ``codewheel`` in ``$XDG_CACHE_HOME``, by default in ``~/.cache``, and on Windows in ``%LOCALAPPDATA%``.
     """
     windows_folder = os.environ.get("LOCALAPPDATA", "") if os.name == "nt" else ""
-    parent = os.environ.get("XDG_CACHE_HOME") or windows_folder
+    parent_folder = os.environ.get("XDG_CACHE_HOME") or windows_folder
     with suppress(RuntimeError):
-        path = Path(parent) if parent else Path.home() / ".cache"
-        if path.is_absolute():
-            return path / "codewheel"
+        cache_parent = Path(parent_folder) if parent_folder else Path.home() / ".cache"
+        if cache_parent.is_absolute():
+            return cache_parent / "codewheel"
     return None
 
 
@@ -69,20 +69,20 @@ class Cache:
     def __bool__(self) -> bool:
         return self._folder is not None
 
-    def get(self, kind: str, content: Iterable[bytes | str]) -> Any:
+    def get(self, kind_of_result: str, content: Iterable[bytes | str]) -> Any:
         """Return the data that ``put`` stored for the same kind and content, or None."""
         if self._folder is None:
             return None
         try:
-            return _read(self._folder, key_of(kind, content))
+            return _read(self._folder, key_of(kind_of_result, content))
         except (OSError, ValueError, RecursionError):
             return None
 
-    def put(self, kind: str, content: Iterable[bytes | str], data: Any) -> None:
+    def put(self, kind_of_result: str, content: Iterable[bytes | str], data: Any) -> None:
         """Store data that JSON can express. Other entries may be removed because of the limits."""
         if self._folder is None:
             return
-        key = key_of(kind, content)
+        key = key_of(kind_of_result, content)
         with suppress(OSError, ValueError, RecursionError):
             entry_json = json.dumps({"key": key, "data": data}, separators=(",", ":")).encode()
             if len(entry_json) > MAX_ENTRY:
@@ -93,13 +93,13 @@ class Cache:
                 _write(self._folder, key, hash_of_entry + entry_json)
                 self._keep_limits(self._folder, len(entry_json))
 
-    def _keep_limits(self, folder: Path, size: int) -> None:
+    def _keep_limits(self, folder: Path, entry_size: int) -> None:
         """Apply the limits after the first entry of this process, and each time it has written 1/16 of a limit."""
         # Number and size of the entries since the last check. The first number is so high that there is a check.
-        earlier_count, earlier_size = self._written or (MAX_ENTRIES, 0)
-        total_size = earlier_size + size
-        self._written = (earlier_count + 1, total_size)
-        if earlier_count >= MAX_ENTRIES // 16 or total_size >= MAX_SIZE // 16:
+        count_since_check, size_since_check = self._written or (MAX_ENTRIES, 0)
+        total_size = size_since_check + entry_size
+        self._written = (count_since_check + 1, total_size)
+        if count_since_check >= MAX_ENTRIES // 16 or total_size >= MAX_SIZE // 16:
             _remove_oldest(folder)
             self._written = (0, 0)
 
@@ -108,13 +108,15 @@ class Cache:
 NO_CACHE = Cache(None)
 
 
-def key_of(kind: str, content: Iterable[bytes | str]) -> str:
+def key_of(kind_of_result: str, content: Iterable[bytes | str]) -> str:
     """Return the key of a result: a hash of its kind, of all content that it depends on, and of this tool."""
-    digest = hashlib.sha256(f"{kind}\0{_hash_of_tool()}".encode())
-    for piece in content:
-        data = piece if isinstance(piece, bytes) else piece.encode("utf-8", "surrogateescape")
-        digest.update(b"%d\0" % len(data))
-        digest.update(data)
+    digest = hashlib.sha256(f"{kind_of_result}\0{_hash_of_tool()}".encode())
+    for content_part in content:
+        content_bytes = (
+            content_part if isinstance(content_part, bytes) else content_part.encode("utf-8", "surrogateescape")
+        )
+        digest.update(b"%d\0" % len(content_bytes))
+        digest.update(content_bytes)
     return digest.hexdigest()
 
 
@@ -144,10 +146,10 @@ def _hash_of_tool() -> str:
     digest = hashlib.sha256(f"{sys.implementation.name} {sys.version} {sys.platform}".encode())
     for folder in (Path(__file__).parent, *_package_folders()):
         for path, status in _files_below(folder):
-            stamp = f"{path}\0{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns}\n"
-            digest.update(stamp.encode("utf-8", "surrogateescape"))
-    for name in _locations_and_versions():
-        digest.update(name.encode("utf-8", "surrogateescape"))
+            file_text = f"{path}\0{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns}\n"
+            digest.update(file_text.encode("utf-8", "surrogateescape"))
+    for package_text in _locations_and_versions():
+        digest.update(package_text.encode("utf-8", "surrogateescape"))
     return digest.hexdigest()
 
 
@@ -161,14 +163,14 @@ def _package_folders() -> Iterator[Path]:
 
 def _files_below(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
     """Yield the path and the status of each file in a folder and below it, except compiled files, ordered by name."""
-    with os.scandir(folder) as listing:
-        paths_by_name = sorted(listing, key=lambda path: path.name)
-    for path in paths_by_name:
-        if path.is_dir():
-            if path.name != "__pycache__":
-                yield from _files_below(path.path)
-        elif not path.name.endswith(".pyc"):
-            yield path.path, path.stat()
+    with os.scandir(folder) as scanned_folder:
+        entries_by_name = sorted(scanned_folder, key=lambda entry: entry.name)
+    for entry in entries_by_name:
+        if entry.is_dir():
+            if entry.name != "__pycache__":
+                yield from _files_below(entry.path)
+        elif not entry.name.endswith(".pyc"):
+            yield entry.path, entry.stat()
 
 
 def _locations_and_versions() -> Iterator[str]:
@@ -176,14 +178,14 @@ def _locations_and_versions() -> Iterator[str]:
 
     One of them has the version in its name, such as ``PyYAML-6.0.2.dist-info``. No package is imported.
     """
-    for name in _PACKAGES:
-        module_spec = _module_spec_of(name)
-        origin = module_spec.origin if module_spec is not None else None
-        site_folder = Path(origin).parent.parent if origin else None
-        yield f"{name} {site_folder}"
+    for package_name in _PACKAGES:
+        module_spec = _module_spec_of(package_name)
+        init_path = module_spec.origin if module_spec is not None else None
+        site_folder = Path(init_path).parent.parent if init_path else None
+        yield f"{package_name} {site_folder}"
         if site_folder is not None:
             for folder_name in sorted(os.listdir(site_folder)):
-                if folder_name.lower().startswith((name, f"py{name}")):
+                if folder_name.lower().startswith((package_name, f"py{package_name}")):
                     yield folder_name
 
 
@@ -213,9 +215,9 @@ def _read(folder: Path, key: str) -> Any:
     if not _is_ours(os.stat(folder)):
         return None
     # Follow no link, and do not wait for a writer if the path is a pipe. Not every system has these flags.
-    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-    handle = os.open(folder / key, flags)
-    with open(handle, "rb") as file:
+    open_flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    descriptor = os.open(folder / key, open_flags)
+    with open(descriptor, "rb") as file:
         status = os.fstat(file.fileno())
         is_trusted_file = stat.S_ISREG(status.st_mode) and _is_ours(status)
         if not is_trusted_file or status.st_size > MAX_ENTRY + _HASH_DIGITS:
@@ -224,22 +226,22 @@ def _read(folder: Path, key: str) -> Any:
     stored_hash, entry_json = content[:_HASH_DIGITS], content[_HASH_DIGITS:]
     if hashlib.sha256(entry_json).hexdigest().encode() != stored_hash:
         return None
-    entry = json.loads(entry_json)
-    is_requested = isinstance(entry, dict) and entry.get("key") == key
-    return entry.get("data") if is_requested else None
+    stored_entry = json.loads(entry_json)
+    has_requested_key = isinstance(stored_entry, dict) and stored_entry.get("key") == key
+    return stored_entry.get("data") if has_requested_key else None
 
 
 def _write(folder: Path, key: str, content: bytes) -> None:
     """Write an entry to a file with a temporary name, and rename it, so that no process reads part of the entry."""
-    unfinished = folder / f"{_UNFINISHED_PREFIX}{os.getpid()}-{key[:16]}-{time.monotonic_ns()}"
-    handle = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600)
+    unfinished_path = folder / f"{_UNFINISHED_PREFIX}{os.getpid()}-{key[:16]}-{time.monotonic_ns()}"
+    descriptor = os.open(unfinished_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600)
     try:
-        with open(handle, "wb") as file:
+        with open(descriptor, "wb") as file:
             file.write(content)
-        os.replace(unfinished, folder / key)
+        os.replace(unfinished_path, folder / key)
     except BaseException:
         with suppress(OSError):
-            os.unlink(unfinished)
+            os.unlink(unfinished_path)
         raise
 
 
@@ -250,30 +252,30 @@ def _remove_oldest(folder: Path) -> None:
     """
     # A tuple begins with the time, so the oldest entry comes first.
     entries = sorted(_entries_in(folder))
-    count = len(entries)
-    total_size = sum(size for _, size, _ in entries)
-    if count <= MAX_ENTRIES and total_size <= MAX_SIZE:
+    entry_count = len(entries)
+    total_size = sum(entry_size for _, entry_size, _ in entries)
+    if entry_count <= MAX_ENTRIES and total_size <= MAX_SIZE:
         return
-    for _, size, path in entries:
-        if count <= MAX_ENTRIES // 2 and total_size <= MAX_SIZE // 2:
+    for _, entry_size, entry_path in entries:
+        if entry_count <= MAX_ENTRIES // 2 and total_size <= MAX_SIZE // 2:
             break
         with suppress(OSError):
-            os.unlink(path)
-        count -= 1
-        total_size -= size
+            os.unlink(entry_path)
+        entry_count -= 1
+        total_size -= entry_size
 
 
 def _entries_in(folder: Path) -> Iterator[tuple[float, int, str]]:
     """Yield the time, the size and the path of each entry, and remove unfinished files of killed processes."""
-    with os.scandir(folder) as listing:
-        for file in listing:
+    with os.scandir(folder) as scanned_folder:
+        for folder_entry in scanned_folder:
             with suppress(OSError):
-                status = file.stat(follow_symlinks=False)
+                status = folder_entry.stat(follow_symlinks=False)
                 # The name of an entry is its key.
-                if len(file.name) == _HASH_DIGITS:
-                    yield status.st_mtime, status.st_size, file.path
-                elif file.name.startswith(_UNFINISHED_PREFIX) and status.st_mtime < time.time() - _ABANDONED_S:
-                    os.unlink(file.path)
+                if len(folder_entry.name) == _HASH_DIGITS:
+                    yield status.st_mtime, status.st_size, folder_entry.path
+                elif folder_entry.name.startswith(_UNFINISHED_PREFIX) and status.st_mtime < time.time() - _ABANDONED_S:
+                    os.unlink(folder_entry.path)
 
 
 # -- results of commands
@@ -337,17 +339,17 @@ def _names_and_contents(paths: Sequence[Path]) -> Iterator[bytes | str]:
     """
     names_in_folder = functools.cache(os.listdir)
     for spec_or_folder in paths:
-        specs: Sequence[Path] = (spec_or_folder,)
-        skipped: Sequence[Path] = ()
+        spec_paths: Sequence[Path] = (spec_or_folder,)
+        skipped_files: Sequence[Path] = ()
         if is_folder(spec_or_folder):
             search_result = find_files(spec_or_folder)
-            specs = search_result.specs
-            skipped = search_result.passed_over
+            spec_paths = search_result.specs
+            skipped_files = search_result.passed_over
         # The words between the lists prevent equal hashes if a name moves from one list to the next.
-        yield from (str(spec_or_folder), "specs", *map(str, specs), "skipped", *map(str, skipped), "content")
-        for spec in specs:
-            keys = top_keys(spec)
-            if keys is None or not keys.isdisjoint(_OVERLAY_KEYS):
+        yield from (str(spec_or_folder), "specs", *map(str, spec_paths), "skipped", *map(str, skipped_files), "content")
+        for spec_path in spec_paths:
+            first_level_keys = top_keys(spec_path)
+            if first_level_keys is None or not first_level_keys.isdisjoint(_OVERLAY_KEYS):
                 raise _NotStorable
-            yield from content_of(family_files(spec, names_in_folder))
+            yield from content_of(family_files(spec_path, names_in_folder))
     yield from content_of(sorted(packaged_masters().iterdir()))

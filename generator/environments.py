@@ -53,24 +53,24 @@ class CompiledTemplates(BytecodeCache):
 
     def load_bytecode(self, bucket: Bucket) -> None:
         """Read the code of a template, unless it is damaged or was compiled from other text or by another version."""
-        head = _head(bucket)
+        expected_head = _head(bucket)
         with suppress(OSError, EOFError, ValueError, TypeError):
             with open(bucket.key, "rb") as file:
                 content = file.read()
-            if content.startswith(head):
-                code = marshal.loads(content[len(head) :])
-                bucket.code = code if isinstance(code, CodeType) else None
+            if content.startswith(expected_head):
+                template_code = marshal.loads(content[len(expected_head) :])
+                bucket.code = template_code if isinstance(template_code, CodeType) else None
 
     def dump_bytecode(self, bucket: Bucket) -> None:
         """Write the code of a template atomically, so that no process reads part of it. Errors are ignored."""
         if sys.dont_write_bytecode or not bucket.key or bucket.code is None:
             return
-        unfinished = f"{bucket.key}.{os.getpid()}"
+        unfinished_path = f"{bucket.key}.{os.getpid()}"
         with suppress(OSError):
             os.makedirs(os.path.dirname(bucket.key), exist_ok=True)
-            with open(unfinished, "xb") as file:
+            with open(unfinished_path, "xb") as file:
                 file.write(_head(bucket) + marshal.dumps(bucket.code))
-            os.replace(unfinished, bucket.key)
+            os.replace(unfinished_path, bucket.key)
 
 
 def _head(bucket: Bucket) -> bytes:
@@ -82,8 +82,8 @@ def _head(bucket: Bucket) -> bytes:
         environment.lstrip_blocks,
         environment.keep_trailing_newline,
     )
-    fingerprint = f"{jinja2.__version__} {sys.version} {options} {bucket.checksum}"
-    return MAGIC_NUMBER + hashlib.sha256(fingerprint.encode()).digest()
+    inputs_text = f"{jinja2.__version__} {sys.version} {options} {bucket.checksum}"
+    return MAGIC_NUMBER + hashlib.sha256(inputs_text.encode()).digest()
 
 
 #: Filters of all targets.
@@ -124,16 +124,16 @@ class _OwnTemplates(FileSystemLoader):
         """
         path = self.folder / template
         try:
-            source = super().get_source(environment, template)
+            text_path_and_check = super().get_source(environment, template)
         except TemplateNotFound:
             raise
         except UnicodeDecodeError:
-            place = f"{path.as_posix()}:{_first_bad_line(path)}"
-            raise TemplateFault(f"{place}: not UTF-8; save the template as UTF-8") from None
+            file_and_line = f"{path.as_posix()}:{_first_bad_line(path)}"
+            raise TemplateFault(f"{file_and_line}: not UTF-8; save the template as UTF-8") from None
         except OSError as error:
             raise TemplateFault(f"{path.as_posix()}: cannot read the template: {error.strerror or error}") from None
         self.used.add(template)
-        return source
+        return text_path_and_check
 
 
 def _first_bad_line(path: Path) -> int:
@@ -152,7 +152,7 @@ def own_loader(own_folder: Path) -> _OwnTemplates:
 
 
 def render_template(
-    templates: TemplateSettings, template: str, values: Mapping[str, object], own_folder: Path | None
+    templates: TemplateSettings, template_name: str, values: Mapping[str, object], own_folder: Path | None
 ) -> str:
     """Render a template of a target. ``own_folder`` is the folder of the user's templates for it.
 
@@ -160,18 +160,18 @@ def render_template(
         TemplateFault: A user's template has an error.
     """
     try:
-        text = environment(templates, own_folder).get_template(template).render(values)
+        rendered_text = environment(templates, own_folder).get_template(template_name).render(values)
         # This is an error if the text has a character that UTF-8 cannot express.
-        text.encode()
-        return text
+        rendered_text.encode()
+        return rendered_text
     except TemplateFault:
         raise
     except Exception as error:
         # If no template of the user was read, the error is in our templates.
         if own_folder is None or not own_loader(own_folder).used:
             raise
-        place = _place_of_error(error, own_folder) or (own_folder / template).as_posix()
-        raise TemplateFault(f"{place}: {_reason(error)}") from None
+        file_and_line = _place_of_error(error, own_folder) or (own_folder / template_name).as_posix()
+        raise TemplateFault(f"{file_and_line}: {_reason(error)}") from None
 
 
 @cache
@@ -195,10 +195,10 @@ def environment(templates: TemplateSettings, own_folder: Path | None = None) -> 
         keep_trailing_newline=True,
     )
     new_environment.filters |= {**COMMON_FILTERS, **templates.filters}
-    tests: dict[str, Callable[..., bool]] = {}
-    for name, tested_class in templates.tests.items():
-        tests[name] = partial(_is_instance_of, tested_class)
-    new_environment.tests.update(tests)
+    test_by_name: dict[str, Callable[..., bool]] = {}
+    for test_name, tested_class in templates.tests.items():
+        test_by_name[test_name] = partial(_is_instance_of, tested_class)
+    new_environment.tests.update(test_by_name)
     new_environment.globals |= templates.functions
     return new_environment
 
@@ -218,10 +218,10 @@ def _place_of_error(error: Exception, own_folder: Path) -> str:
     stack = traceback.extract_tb(error.__traceback__)
     frames_in_templates = [frame for frame in stack if frame.filename.endswith(TEMPLATE_SUFFIX)]
     frames_of_user = [frame for frame in frames_in_templates if Path(frame.filename).is_relative_to(own_folder)]
-    frames = frames_of_user or frames_in_templates
-    if not frames:
+    relevant_frames = frames_of_user or frames_in_templates
+    if not relevant_frames:
         return ""
-    innermost_frame = frames[-1]
+    innermost_frame = relevant_frames[-1]
     return f"{Path(innermost_frame.filename).as_posix()}:{innermost_frame.lineno}"
 
 

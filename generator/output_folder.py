@@ -134,39 +134,39 @@ else:
 
 
 @contextmanager
-def locked(folder: Path, waiting: Callable[[], None]) -> Iterator[None]:
+def locked(folder: Path, before_waiting: Callable[[], None]) -> Iterator[None]:
     """Hold the lock on a folder, and create the folder if it does not exist.
 
     Args:
         folder: The folder. Links to the folder share its lock.
-        waiting: Called once if another process has the lock.
+        before_waiting: Called once if another process has the lock.
 
     Raises:
         Busy: Another process has held the lock for ``PATIENCE_S``.
         OSError: The folder cannot be created or opened.
     """
     deadline_s = time.monotonic() + PATIENCE_S
-    handle = _try_to_lock(folder)
-    if handle is None:
-        waiting()
-    while handle is None:
+    lock_descriptor = _try_to_lock(folder)
+    if lock_descriptor is None:
+        before_waiting()
+    while lock_descriptor is None:
         if time.monotonic() > deadline_s:
             raise Busy
         time.sleep(_PAUSE_S)
-        handle = _try_to_lock(folder)
+        lock_descriptor = _try_to_lock(folder)
     try:
         yield
     finally:
-        os.close(handle)
+        os.close(lock_descriptor)
 
 
 def _try_to_lock(folder: Path) -> int | None:
     """Create the folder if it does not exist. Return the descriptor of its lock, or None if another process has it."""
     folder.mkdir(parents=True, exist_ok=True)
-    handle = _open_lock(folder)
-    if _try_to_take_lock(handle, folder):
-        return handle
-    os.close(handle)
+    lock_descriptor = _open_lock(folder)
+    if _try_to_take_lock(lock_descriptor, folder):
+        return lock_descriptor
+    os.close(lock_descriptor)
     return None
 
 
@@ -207,27 +207,27 @@ class Stage:
     def old(self) -> Path:
         return self.folder / _OLD_FOLDER
 
-    def fill(self, files: Mapping[str, str], families: Sequence[str], unchanged: set[str]) -> None:
+    def fill(self, files: Mapping[str, str], families: Sequence[str], unchanged_paths: set[str]) -> None:
         """Fill the stage with the whole content of the target's folder: our files, their list, and foreign files.
 
         ``files`` contains the text by the path in the output folder, such as ``c/include/x.h``. Files that are named in
-        ``unchanged`` become hard links to the old files.
+        ``unchanged_paths`` become hard links to the old files.
         """
         (self.folder / _STAGE_MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make_new_folder(Path())
         # The paths in the target's folder, such as "include/x.h" for "c/include/x.h".
-        output_path_by_path = {output_path.partition("/")[2]: output_path for output_path in files}
+        output_path_by_path_in_target = {output_path.partition("/")[2]: output_path for output_path in files}
         # The list is written first. Without it, a later run would treat the files of a killed run as the user's.
-        (self.new / LIST).write_text(list_text(output_path_by_path, families), encoding="utf-8", newline="\n")
-        for parent in {os.path.dirname(path) for path in output_path_by_path}:
+        (self.new / LIST).write_text(list_text(output_path_by_path_in_target, families), encoding="utf-8", newline="\n")
+        for parent in {os.path.dirname(path_in_target) for path_in_target in output_path_by_path_in_target}:
             self._make_new_folder(Path(parent))
         # Texts, because joining ``Path`` objects is slow.
         new_prefix, old_prefix = os.path.join(self.new, ""), os.path.join(self.target_folder, "")
-        for path, output_path in output_path_by_path.items():
-            if output_path in unchanged:
-                _link_or_copy(old_prefix + path, new_prefix + path)
+        for path_in_target, output_path in output_path_by_path_in_target.items():
+            if output_path in unchanged_paths:
+                _link_or_copy(old_prefix + path_in_target, new_prefix + path_in_target)
             else:
-                with open(new_prefix + path, "x", encoding="utf-8", newline="\n") as file:
+                with open(new_prefix + path_in_target, "x", encoding="utf-8", newline="\n") as file:
                     file.write(files[output_path])
         self._carry_over({*listed_in(self.target_folder), LIST})
         # Read-only folders were writable until now. The innermost ones come first.
@@ -275,28 +275,30 @@ class Stage:
         """
         if not self.target_folder.is_dir():
             return
-        for root, folders, names in os.walk(self.target_folder, onerror=_raise):
-            relative_folder = Path(root).relative_to(self.target_folder)
+        for old_folder, folder_names, file_names in os.walk(self.target_folder, onerror=_raise):
+            relative_folder = Path(old_folder).relative_to(self.target_folder)
             prefix = "" if relative_folder == Path() else f"{relative_folder.as_posix()}/"
-            links_to_folders = [name for name in folders if os.path.islink(os.path.join(root, name))]
-            for name in (*names, *links_to_folders):
-                path = prefix + name
-                if path not in our_paths and not os.path.lexists(self.new / path):
+            links_to_folders = [
+                file_name for file_name in folder_names if os.path.islink(os.path.join(old_folder, file_name))
+            ]
+            for file_name in (*file_names, *links_to_folders):
+                path_in_target = prefix + file_name
+                if path_in_target not in our_paths and not os.path.lexists(self.new / path_in_target):
                     self._make_new_folder(relative_folder)
-                    _link_or_copy(os.path.join(root, name), self.new / path)
-            if not names and not folders:
+                    _link_or_copy(os.path.join(old_folder, file_name), self.new / path_in_target)
+            if not file_names and not folder_names:
                 self._make_new_folder(relative_folder)
 
-    def _make_new_folder(self, path: Path) -> None:
+    def _make_new_folder(self, folder_path: Path) -> None:
         """Create a folder in the new content, if it is not there yet, and the folders above it.
 
         It gets the owner and mode of the old folder of the same name, but stays writable until ``fill`` ends.
         """
-        new_folder, old_folder = self.new / path, self.target_folder / path
+        new_folder, old_folder = self.new / folder_path, self.target_folder / folder_path
         if new_folder in self._modes:
             return
-        if path != Path():
-            self._make_new_folder(path.parent)
+        if folder_path != Path():
+            self._make_new_folder(folder_path.parent)
         new_folder.mkdir()
         self._modes[new_folder] = 0o700
         if old_folder.is_dir() and not old_folder.is_symlink():
@@ -315,16 +317,17 @@ def stages_in(folder: Path) -> list[Stage]:
     """
     stages = []
     try:
-        with os.scandir(folder) as listing:
-            sorted_entries = sorted(listing, key=lambda folder_entry: folder_entry.name)
+        with os.scandir(folder) as scanned_folder:
+            sorted_entries = sorted(scanned_folder, key=lambda entry: entry.name)
     except OSError:
         return []
-    for folder_entry in sorted_entries:
-        stage_name = _STAGE_NAME.fullmatch(folder_entry.name)
-        if stage_name and folder_entry.is_dir(follow_symlinks=False):
+    for entry in sorted_entries:
+        stage_match = _STAGE_NAME.fullmatch(entry.name)
+        if stage_match and entry.is_dir(follow_symlinks=False):
             with suppress(OSError, WriteError):
-                if _has_mark(Path(folder_entry.path)):
-                    stages.append(Stage(Path(folder_entry.path), folder / stage_name[1]))
+                if _has_mark(Path(entry.path)):
+                    target_name = stage_match[1]  # The c of .codewheel-c-ab12cd34.
+                    stages.append(Stage(Path(entry.path), folder / target_name))
     return stages
 
 
@@ -349,12 +352,12 @@ def _save_from(stage: Stage) -> None:
             os.rename(stage.old, stage.target_folder)
     for saved_folder in (stage.new, stage.old):
         _save_late_files(saved_folder, stage.target_folder)
-    for root, folders, _ in os.walk(stage.folder):
-        for name in folders:
+    for parent_folder, folder_names, _ in os.walk(stage.folder):
+        for folder_name in folder_names:
             with suppress(OSError):
-                if not os.path.islink(os.path.join(root, name)):
+                if not os.path.islink(os.path.join(parent_folder, folder_name)):
                     # A read-only folder from the old content may prevent the removal.
-                    os.chmod(os.path.join(root, name), 0o700)
+                    os.chmod(os.path.join(parent_folder, folder_name), 0o700)
 
 
 def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
@@ -365,10 +368,10 @@ def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
     if not (saved_folder / LIST).is_file() or not target_folder.is_dir():
         return
     our_paths = {*listed_in(saved_folder), *listed_in(target_folder), LIST}
-    for path in _files_in(saved_folder):
-        if path in our_paths:
+    for path_in_target in _files_in(saved_folder):
+        if path_in_target in our_paths:
             continue
-        saved_file, target_file = saved_folder / path, target_folder / path
+        saved_file, target_file = saved_folder / path_in_target, target_folder / path_in_target
         if _is_later(saved_file, target_file):
             target_file.parent.mkdir(parents=True, exist_ok=True)
             os.replace(saved_file, target_file)
@@ -386,11 +389,11 @@ def _is_later(saved_file: Path, target_file: Path) -> bool:
     """Return whether a file is missing in the target's folder, or older there."""
     if not os.path.lexists(target_file):
         return True
-    saved, current = os.lstat(saved_file), os.lstat(target_file)
-    are_files = stat.S_ISREG(saved.st_mode) and stat.S_ISREG(current.st_mode)
+    saved_status, current_status = os.lstat(saved_file), os.lstat(target_file)
+    are_files = stat.S_ISREG(saved_status.st_mode) and stat.S_ISREG(current_status.st_mode)
     # Hard links to the same file have the same inode number, so neither is later.
-    are_same_file = saved.st_ino == current.st_ino
-    return are_files and not are_same_file and saved.st_mtime_ns > current.st_mtime_ns
+    are_same_file = saved_status.st_ino == current_status.st_ino
+    return are_files and not are_same_file and saved_status.st_mtime_ns > current_status.st_mtime_ns
 
 
 def _raise(error: OSError) -> None:
@@ -405,25 +408,28 @@ def _link_or_copy(old: str | Path, new: str | Path) -> None:
         shutil.copy2(old, new, follow_symlinks=False)
 
 
-def _exchange(new: Path, target_folder: Path) -> None:
-    """Exchange two folders, in one step if the system supports that. If not, the old content becomes ``old``.
+def _exchange(new_folder: Path, target_folder: Path) -> None:
+    """Exchange two folders, in one step if the system supports that. If not, the old content becomes ``old_folder``.
 
-    If ``target_folder`` does not exist yet, ``new`` is only renamed.
+    If ``target_folder`` does not exist yet, ``new_folder`` is only renamed.
     """
     if not target_folder.exists():
-        os.rename(new, target_folder)
+        os.rename(new_folder, target_folder)
         return
     try:
-        rename = ctypes.CDLL(None, use_errno=True).renameat2
-        if rename(_AT_FDCWD, os.fsencode(new), _AT_FDCWD, os.fsencode(target_folder), _RENAME_EXCHANGE) == 0:
+        exchange_paths = ctypes.CDLL(None, use_errno=True).renameat2
+        if (
+            exchange_paths(_AT_FDCWD, os.fsencode(new_folder), _AT_FDCWD, os.fsencode(target_folder), _RENAME_EXCHANGE)
+            == 0
+        ):
             return
     except (AttributeError, OSError, TypeError):
         pass
     # If the system cannot exchange folders, rename twice, and undo the first rename if the second fails.
-    old = new.with_name(_OLD_FOLDER)
-    os.rename(target_folder, old)
+    old_folder = new_folder.with_name(_OLD_FOLDER)
+    os.rename(target_folder, old_folder)
     try:
-        os.rename(new, target_folder)
+        os.rename(new_folder, target_folder)
     except OSError:
-        os.rename(old, target_folder)
+        os.rename(old_folder, target_folder)
         raise

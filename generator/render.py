@@ -77,8 +77,8 @@ def tests_for(*classes: object) -> dict[str, type]:
     for class_or_union in classes:
         for tested_class in get_args(class_or_union) or (class_or_union,):
             # "ZerosAbove" becomes "Zeros_Above".
-            words = _WORD_BOUNDARY.sub("_", tested_class.__name__)
-            class_by_test[words.lower()] = tested_class
+            words_with_underscores = _WORD_BOUNDARY.sub("_", tested_class.__name__)
+            class_by_test[words_with_underscores.lower()] = tested_class
     return class_by_test
 
 
@@ -91,7 +91,7 @@ def _similar_template(path: Path, shipped_paths: Iterable[str]) -> str:
 
 
 def unused_templates(
-    own_folder: Path, rendered: Mapping[str, Templates | None], other_targets: Iterable[str]
+    own_folder: Path, templates_by_target: Mapping[str, Templates | None], other_targets: Iterable[str]
 ) -> Iterator[str]:
     """Yield a line for each of the user's templates that had no effect, or one line if there are no templates.
 
@@ -100,29 +100,29 @@ def unused_templates(
 
     Args:
         own_folder: The user's folder, which has a folder for each target.
-        rendered: The templates of the targets that ran, keyed by the name of the target.
+        templates_by_target: The templates of the targets that ran, keyed by the name of the target.
         other_targets: The names of targets that did not run, whose folders are ignored.
     """
     from .environments import own_loader
 
     shipped_paths: set[str] = set()
-    for target, templates in rendered.items():
-        names = templates.names if templates else ()
-        shipped_paths |= {f"{target}/{name}" for name in names}
+    for target_name, templates in templates_by_target.items():
+        template_names = templates.names if templates else ()
+        shipped_paths |= {f"{target_name}/{path_text}" for path_text in template_names}
     own_paths = [path.relative_to(own_folder) for path in sorted(own_folder.rglob(f"*{TEMPLATE_SUFFIX}"))]
     visible_paths = [path for path in own_paths if "/." not in f"/{path.as_posix()}"]
     if not visible_paths:
         example = f"; the path of a template in it looks like {min(shipped_paths)}" if shipped_paths else ""
         yield f"the folder {own_folder.as_posix()} has no templates{example}"
     for path in visible_paths:
-        target = path.parts[0]
-        name = path.as_posix()
-        is_of_other_target = target not in rendered and target in other_targets
-        if name in shipped_paths or is_of_other_target:
+        target_name = path.parts[0]
+        path_text = path.as_posix()
+        is_of_other_target = target_name not in templates_by_target and target_name in other_targets
+        if path_text in shipped_paths or is_of_other_target:
             continue
         # Its path in the folder of the target, by which another template includes it.
         path_in_target = Path(*path.parts[1:]).as_posix()
-        is_included = target in rendered and path_in_target in own_loader(own_folder / target).used
+        is_included = target_name in templates_by_target and path_in_target in own_loader(own_folder / target_name).used
         if is_included:
             continue
         yield f"no output uses {(own_folder / path).as_posix()}{_similar_template(path, shipped_paths)}"

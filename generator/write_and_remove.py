@@ -47,24 +47,24 @@ class FileChange:
     state: str
 
 
-def list_changes(folder: Path, target: str, files: Mapping[str, str]) -> list[FileChange]:
-    """Return the changes that writing ``files`` would make in the target's folder, ordered by path.
+def list_changes(folder: Path, target_name: str, text_by_path: Mapping[str, str]) -> list[FileChange]:
+    """Return the changes that writing ``text_by_path`` would make in the target's folder, ordered by path.
 
     Args:
         folder: The output folder.
-        target: Name of the target, which is the first part of every path.
-        files: Text of each file, keyed by its path relative to the output folder, with slashes.
+        target_name: Name of the target, which is the first part of every path.
+        text_by_path: Text of each file, keyed by its path relative to the output folder, with slashes.
 
     Raises:
         WriteError: A path is outside the target's folder, or the folder cannot be read.
     """
-    _refuse_bad_paths(folder, {target: files})
+    _refuse_bad_paths(folder, {target_name: text_by_path})
     file_changes: list[FileChange] = []
-    for path, text in files.items():
+    for path, text in text_by_path.items():
         is_unchanged = read_file(folder / path) == text.encode()
         file_changes.append(FileChange(path, state="unchanged" if is_unchanged else "written"))
-    for path in _listed_paths(folder, target):
-        is_obsolete = path not in files
+    for path in _listed_paths(folder, target_name):
+        is_obsolete = path not in text_by_path
         if is_obsolete and (folder / path).is_file():
             file_changes.append(FileChange(path, state="removed"))
     return sorted(file_changes, key=lambda change: change.path)
@@ -99,28 +99,28 @@ def _digest(files: Iterable[tuple[str, bytes]]) -> str:
 
 
 def _files_to_write(
-    targets: Mapping[str, Mapping[str, str]], families: Mapping[str, Sequence[str]]
+    files_by_target: Mapping[str, Mapping[str, str]], families_by_target: Mapping[str, Sequence[str]]
 ) -> Iterator[tuple[str, bytes]]:
     """Yield the path and the content of each list and file."""
-    for target, files in sorted(targets.items()):
+    for target_name, text_by_path in sorted(files_by_target.items()):
         # The paths in the target's folder, such as "include/x.h" for "c/include/x.h".
-        paths_in_target = [path.partition("/")[2] for path in files]
-        text_of_list = list_text(paths_in_target, families.get(target, ()))
-        yield f"{target}/{LIST}", text_of_list.encode()
-        for path in sorted(files):
-            yield path, files[path].encode()
+        paths_in_target = [path.partition("/")[2] for path in text_by_path]
+        text_of_list = list_text(paths_in_target, families_by_target.get(target_name, ()))
+        yield f"{target_name}/{LIST}", text_of_list.encode()
+        for path in sorted(text_by_path):
+            yield path, text_by_path[path].encode()
 
 
-def _files_on_disk(folder: Path, targets: Iterable[str]) -> Iterator[tuple[str, bytes]]:
+def _files_on_disk(folder: Path, target_names: Iterable[str]) -> Iterator[tuple[str, bytes]]:
     """Yield the path and the content of each list, and of each file in it.
 
     Raises:
         WriteError: A file is missing or cannot be read, or a target's folder is not a real folder.
     """
-    for target in sorted(targets):
-        if _kind_of(folder / target) != "folder":
-            raise WriteError(f"{folder / target} is not a folder")
-        for path in (f"{target}/{LIST}", *_listed_paths(folder, target)):
+    for target_name in sorted(target_names):
+        if _kind_of(folder / target_name) != "folder":
+            raise WriteError(f"{folder / target_name} is not a folder")
+        for path in (f"{target_name}/{LIST}", *_listed_paths(folder, target_name)):
             content = read_file(os.path.join(folder, path))
             if content is None:
                 raise WriteError(f"{folder / path} is not a file")
@@ -131,9 +131,9 @@ def write(
     folder: Path,
     targets: Mapping[str, Mapping[str, str]],
     force: bool = False,
-    waiting: Callable[[], None] = lambda: None,
-    gate: Callable[[], None] = lambda: None,
-    guard: Callable[[Mapping[str, Sequence[FileChange]]], None] = lambda _: None,
+    before_waiting: Callable[[], None] = lambda: None,
+    before_writing: Callable[[], None] = lambda: None,
+    check_changes: Callable[[Mapping[str, Sequence[FileChange]]], None] = lambda _: None,
     families: Mapping[str, Sequence[str]] = MappingProxyType({}),
 ) -> list[FileChange]:
     """Write the files of ``targets`` to their folders, remove obsolete files, and keep files of the user.
@@ -142,9 +142,9 @@ def write(
         folder: The output folder.
         targets: The files of each target, keyed by the name of the target.
         force: True to overwrite files of the user at the same paths.
-        waiting: Called before the function waits for another run that is writing to the folder.
-        gate: Called before a file changes. An error that it raises ends the function, and nothing has changed.
-        guard: Called with the changes of each target, before ``gate``. An error has the same effect.
+        before_waiting: Called before the function waits for another run that is writing to the folder.
+        before_writing: Called before a file changes. An error that it raises ends the function without a change.
+        check_changes: Called with the changes of each target, before ``before_writing``. An error has the same effect.
         families: The families that the files of each target are written from, as ``manufacturer/family``, for its list.
 
     Raises:
@@ -154,9 +154,9 @@ def write(
     _refuse_bad_paths(folder, targets)
     is_new = not os.path.lexists(folder)
     try:
-        with locked(folder, waiting):
+        with locked(folder, before_waiting):
             try:
-                return _write_locked(folder, targets, force=force, gate=gate, guard=guard, families=families)
+                return _write_locked(folder, targets, families, check_changes, before_writing, force=force)
             finally:
                 if is_new:
                     with suppress(OSError):  # a folder that is not empty stays
@@ -171,37 +171,40 @@ def write(
 
 def _write_locked(
     folder: Path,
-    targets: Mapping[str, Mapping[str, str]],
+    files_by_target: Mapping[str, Mapping[str, str]],
+    families_by_target: Mapping[str, Sequence[str]],
+    check_changes: Callable[[Mapping[str, Sequence[FileChange]]], None],
+    before_writing: Callable[[], None],
     *,
     force: bool,
-    gate: Callable[[], None],
-    guard: Callable[[Mapping[str, Sequence[FileChange]]], None],
-    families: Mapping[str, Sequence[str]],
 ) -> list[FileChange]:
     """Write the targets to the folder, and return all changes. This process must hold its lock.
 
-    ``guard`` and ``gate`` are called before anything changes, as in ``write``.
+    ``check_changes`` and ``before_writing`` are called before anything changes, as in ``write``.
     """
     _remove_left_stages(folder)
-    changes_by_target = {target: list_changes(folder, target, files) for target, files in targets.items()}
-    guard(changes_by_target)
+    changes_by_target = {
+        target_name: list_changes(folder, target_name, text_by_path)
+        for target_name, text_by_path in files_by_target.items()
+    }
+    check_changes(changes_by_target)
     if any(map(_has_changes, changes_by_target.values())):
-        gate()
-    targets_to_write: dict[str, Mapping[str, str]] = {}
-    for target, files in targets.items():
-        has_new_list = _has_new_list(folder, target, files, families.get(target, ()))
-        if has_new_list or _has_changes(changes_by_target[target]):
-            targets_to_write[target] = files
-    _refuse_what_is_in_the_way(folder, targets_to_write, changes_by_target, force=force)
-    _exchange_folders(folder, targets_to_write, changes_by_target, families)
+        before_writing()
+    files_by_target_to_write: dict[str, Mapping[str, str]] = {}
+    for target_name, text_by_path in files_by_target.items():
+        has_new_list = _has_new_list(folder, target_name, text_by_path, families_by_target.get(target_name, ()))
+        if has_new_list or _has_changes(changes_by_target[target_name]):
+            files_by_target_to_write[target_name] = text_by_path
+    _refuse_what_is_in_the_way(folder, files_by_target_to_write, changes_by_target, force=force)
+    _exchange_folders(folder, files_by_target_to_write, changes_by_target, families_by_target)
     return list(chain.from_iterable(changes_by_target.values()))
 
 
 def _exchange_folders(
     folder: Path,
-    targets: Mapping[str, Mapping[str, str]],
+    files_by_target: Mapping[str, Mapping[str, str]],
     changes_by_target: Mapping[str, Sequence[FileChange]],
-    families: Mapping[str, Sequence[str]],
+    families_by_target: Mapping[str, Sequence[str]],
 ) -> None:
     """Assemble the new content of each target's folder in a stage, and then exchange all folders.
 
@@ -209,18 +212,18 @@ def _exchange_folders(
         WriteError: A folder or file cannot be written. Folders that were exchanged are restored.
     """
     stages: list[Stage] = []
-    exchanged: list[Stage] = []
+    exchanged_stages: list[Stage] = []
     try:
-        for target, files in targets.items():
-            stage = Stage.create(folder / target)
+        for target_name, text_by_path in files_by_target.items():
+            stage = Stage.create(folder / target_name)
             stages.append(stage)
-            unchanged_paths = {change.path for change in changes_by_target[target] if change.state == "unchanged"}
-            stage.fill(files, families.get(target, ()), unchanged_paths)
+            unchanged_paths = {change.path for change in changes_by_target[target_name] if change.state == "unchanged"}
+            stage.fill(text_by_path, families_by_target.get(target_name, ()), unchanged_paths)
         for stage in stages:
             stage.exchange()
-            exchanged.append(stage)
+            exchanged_stages.append(stage)
     except BaseException as error:
-        unrestored_targets = [stage.target_folder.name for stage in exchanged if not stage.take_back()]
+        unrestored_targets = [stage.target_folder.name for stage in exchanged_stages if not stage.take_back()]
         if not isinstance(error, OSError):
             raise
         path = _path_in_output(error, stages, folder)
@@ -235,14 +238,14 @@ def _has_changes(target_changes: Iterable[FileChange]) -> bool:
     return any(change.state != "unchanged" for change in target_changes)
 
 
-def _has_new_list(folder: Path, target: str, files: Iterable[str], families: Sequence[str]) -> bool:
+def _has_new_list(folder: Path, target_name: str, paths: Iterable[str], families: Sequence[str]) -> bool:
     """Return whether the list in a target's folder has other files, or other families, than a run writes.
 
     Without ``families``, the families in the list do not matter.
     """
-    if _listed_paths(folder, target) != sorted(files):
+    if _listed_paths(folder, target_name) != sorted(paths):
         return True
-    return bool(families) and families_in(folder / target) != list(families)
+    return bool(families) and families_in(folder / target_name) != list(families)
 
 
 def _path_in_output(error: OSError, stages: Iterable[Stage], folder: Path) -> str:
@@ -250,11 +253,11 @@ def _path_in_output(error: OSError, stages: Iterable[Stage], folder: Path) -> st
 
     A path in a stage becomes the path that the file would have had in the target's folder.
     """
-    path = Path(str(error.filename or folder))
+    error_path = Path(str(error.filename or folder))
     for stage in stages:
         for stage_folder in (stage.new, stage.folder):
-            if path.is_relative_to(stage_folder):
-                path_in_target = path.relative_to(stage_folder)
+            if error_path.is_relative_to(stage_folder):
+                path_in_target = error_path.relative_to(stage_folder)
                 return (stage.target_folder / path_in_target).as_posix()
     return str(error.filename or folder)
 
@@ -278,14 +281,14 @@ def left_stages(folder: Path) -> list[FileChange]:
     return [FileChange(stage.folder.name, "removed") for stage in stages_in(folder)]
 
 
-def _refuse_bad_paths(folder: Path, targets: Mapping[str, Iterable[str]]) -> None:
+def _refuse_bad_paths(folder: Path, paths_by_target: Mapping[str, Iterable[str]]) -> None:
     """Refuse paths outside the folder of their target, and folders that are links or files."""
-    for target, paths in targets.items():
+    for target_name, paths in paths_by_target.items():
         for path in paths:
-            if not is_safe(path) or path.split("/")[0] != target:
-                problem = f"the target '{target}' uses the path '{path}', which is not inside its folder '{target}/'"
-                raise WriteError(problem)
-        target_folder = folder / target
+            if not is_safe(path) or path.split("/")[0] != target_name:
+                problem = f"the target '{target_name}' uses the path '{path}'"
+                raise WriteError(f"{problem}, which is not inside its folder '{target_name}/'")
+        target_folder = folder / target_name
         if target_folder.is_symlink():
             raise WriteError(f"{target_folder} is a link; output is written to real folders only")
         for path_of_folder in (folder, target_folder):
@@ -295,28 +298,30 @@ def _refuse_bad_paths(folder: Path, targets: Mapping[str, Iterable[str]]) -> Non
 
 def _refuse_what_is_in_the_way(
     folder: Path,
-    targets: Mapping[str, Mapping[str, str]],
+    files_by_target: Mapping[str, Mapping[str, str]],
     changes_by_target: Mapping[str, list[FileChange]],
     *,
     force: bool,
 ) -> None:
     """Refuse to overwrite anything that is not in our lists. ``force`` permits this for files, but not for folders."""
-    lines: list[str] = []
+    message_lines: list[str] = []
     are_all_folders = True
-    for target, files in targets.items():
-        paths_to_write = {change.path for change in changes_by_target[target] if change.state == "written"}
-        for path, note in _in_the_way(folder, target, files, paths_to_write):
+    for target_name, text_by_path in files_by_target.items():
+        paths_to_write = {change.path for change in changes_by_target[target_name] if change.state == "written"}
+        for path, note in _in_the_way(folder, target_name, text_by_path, paths_to_write):
             is_folder = note == _A_FOLDER
             if is_folder or not force:
-                lines.append(f"\n  {(folder / path).as_posix()}{note}")
+                message_lines.append(f"\n  {(folder / path).as_posix()}{note}")
                 are_all_folders = are_all_folders and is_folder
-    if lines:
+    if message_lines:
         remedy = "move it away" if are_all_folders else "move it away, or overwrite files with --force"
-        raise WriteError(f"in the way and not written by codewheel; nothing has changed; {remedy}:{''.join(lines)}")
+        raise WriteError(
+            f"in the way and not written by codewheel; nothing has changed; {remedy}:{''.join(message_lines)}"
+        )
 
 
 def _in_the_way(
-    folder: Path, target: str, files: Mapping[str, str], paths_to_write: set[str]
+    folder: Path, target_name: str, text_by_path: Mapping[str, str], paths_to_write: set[str]
 ) -> Iterator[tuple[str, str]]:
     """Yield the path of each file or folder in the way that codewheel did not write, with a note for the message.
 
@@ -324,14 +329,14 @@ def _in_the_way(
 
     Args:
         folder: The output folder.
-        target: Name of the target.
-        files: Contents of all files of the target, by path.
+        target_name: Name of the target.
+        text_by_path: Text of each file of the target.
         paths_to_write: Paths of the files that would be written.
     """
     # Codewheel wrote these files in an earlier run. One of them may be where a folder is needed now.
-    listed_paths = set(_listed_paths(folder, target))
+    listed_paths = set(_listed_paths(folder, target_name))
     # The output folder and the target's folder were checked before.
-    needed_folders = _folders_of(files) - {".", target}
+    needed_folders = _folders_of(text_by_path) - {".", target_name}
     for path in sorted(needed_folders - listed_paths):
         if _kind_of(folder / path) in ("file", "link"):
             yield path, ", in place of a folder"
@@ -342,7 +347,7 @@ def _in_the_way(
         elif kind_of_path and path not in listed_paths:
             yield path, ""
     # The list does not contain itself. Our lists are recognised by their first line.
-    list_path = f"{target}/{LIST}"
+    list_path = f"{target_name}/{LIST}"
     kind_of_list = _kind_of(folder / list_path)
     if kind_of_list == "folder":
         yield list_path, _A_FOLDER

@@ -5,7 +5,15 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from codewheel.dump.schema import DataMember, Kind, Shape, json_types_of, resolve_reference, schema_members, show_schema
+from codewheel.dump.schema import (
+    DataMember,
+    MemberForm,
+    Schema,
+    json_types_of,
+    resolve_reference,
+    schema_members,
+    schema_of_device_data,
+)
 from codewheel.dump.xml import NAMESPACE
 from lxml import etree
 
@@ -26,13 +34,13 @@ def read_xml(data: bytes) -> Any:
 
 def from_xml(data: bytes) -> dict[str, Any]:
     """Return the data of a device from its XML document."""
-    return _read(read_xml(data), show_schema(), [])
+    return _read(read_xml(data), schema_of_device_data(), [])
 
 
-def _read(node: Any, shape: Shape, inherited: list[dict[str, Any]]) -> dict[str, Any]:
+def _read(node: Any, schema: Schema, inherited: list[dict[str, Any]]) -> dict[str, Any]:
     sources = [_read_source(source) for source in node.findall(tag("source"))] or inherited
-    values = {member.name: _read_member(node, member, sources) for member in schema_members(shape)}
-    if "source" in shape["properties"]:
+    values = {member.name: _read_member(node, member, sources) for member in schema_members(schema)}
+    if "source" in schema["properties"]:
         values["source"] = sources[0] if sources else None
         if len(sources) > 1:
             values["sources"] = sources
@@ -49,38 +57,38 @@ def _read_source(node: Any) -> dict[str, Any]:
 
 
 def _read_member(node: Any, member: DataMember, sources: list[dict[str, Any]]) -> Any:
-    if member.kind in (Kind.ATTRIBUTE, Kind.LIST):
+    if member.form in (MemberForm.ATTRIBUTE, MemberForm.LIST):
         text = node.get(member.name)
         if text is None:
             return member.empty
-        if member.kind is Kind.LIST:
+        if member.form is MemberForm.LIST:
             return [_value(word, member.types) for word in text.split()]
         return _value(text, member.types)
     inner = node.find(tag(member.name))
     if inner is None:
         return member.empty
-    if member.kind is Kind.OBJECT:
-        return _read(inner, member.shape, sources)
-    if member.kind is Kind.TEXT:
+    if member.form is MemberForm.OBJECT:
+        return _read(inner, member.schema, sources)
+    if member.form is MemberForm.TEXT:
         return inner.text or ""
-    if member.kind is Kind.TEXTS:
+    if member.form is MemberForm.TEXTS:
         return [child.text or "" for child in inner]
-    if member.kind is Kind.MAP:
+    if member.form is MemberForm.MAP:
         return {child.get("name"): _read_entry(child, member) for child in inner}
-    read = [_read(child, member.shape, sources) for child in inner]
+    read = [_read(child, member.schema, sources) for child in inner]
     return (
-        {member_value[member.shape["x-key"]]: member_value for member_value in read}
-        if member.kind is Kind.KEYED
+        {member_value[member.schema["x-key"]]: member_value for member_value in read}
+        if member.form is MemberForm.KEYED
         else read
     )
 
 
 def _read_entry(node: Any, member: DataMember) -> Any:
-    shape = resolve_reference(member.shape)[0]
-    if shape.get("type") == "array":
+    schema = resolve_reference(member.schema)[0]
+    if schema.get("type") == "array":
         return (node.text or "").split()
     stated = node.get("type")
-    return _value(node.text or "", (stated,) if stated else json_types_of(resolve_reference(member.shape)[0]))
+    return _value(node.text or "", (stated,) if stated else json_types_of(resolve_reference(member.schema)[0]))
 
 
 def _value(text: str, types: tuple[str, ...]) -> Any:

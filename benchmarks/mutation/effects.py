@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any
 
 from codewheel.dump.plain import device_dump
-from codewheel.dump.schema import show_schema
+from codewheel.dump.schema import schema_of_device_data
 from codewheel.model import Device
 from codewheel.targets import Library, TargetError
 from codewheel.targets.registry import files_of, load_target
@@ -67,7 +67,7 @@ class Outputs:
 @cache
 def _text_keys() -> frozenset[str]:
     """Return the keys under which plain data has words for people."""
-    schema = show_schema()
+    schema = schema_of_device_data()
     parts: list[Mapping[str, Any]] = [schema, *schema["$defs"].values()]
     members = [member for part in parts for member in part.get("properties", {}).items()]
     facts = {key for key, member in members if not _is_text(member)}

@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
     paths = specs_to_judge(arguments.specs, "cloze FAMILY").paths
     loaded_family = family_named(arguments.family, paths)
     # ``plain`` is the family without its overlays, if it has any.
-    family = loaded_family.plain or loaded_family
+    family = loaded_family.without_overlays or loaded_family
     report = ProblemReport()
     filled_sheet = read_sheet(family, report)
     if report:
@@ -245,7 +245,7 @@ def check_sheets(
     so the family is compared without its overlays. A derived family has no sheet.
     """
     for loaded_family in families:
-        family = loaded_family.plain or loaded_family
+        family = loaded_family.without_overlays or loaded_family
         is_derived = bool(family.device.base)
         sheet_document = read(family, report) if not is_derived else None
         if sheet_document is not None and family.document.file in valid_files:

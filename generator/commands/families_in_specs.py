@@ -382,7 +382,7 @@ def check_editions(families: Iterable[Family], report: ProblemReport) -> None:
 
     for family in families:
         # An overlay may remove parts that an edition changes. This is reported when the edition is requested.
-        if family.device.base or family.plain is not None or report.faults(family.document):
+        if family.device.base or family.without_overlays is not None or report.faults(family.document):
             continue
         for edition in family.device.editions:
             if edition.revision != family.device.manual.revision:

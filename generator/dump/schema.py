@@ -50,7 +50,7 @@ _ALL_SOURCES_MEMBER = ModelMember("sources", "[source]", "All sources, if there 
 
 
 @cache
-def show_schema() -> JsonSchema:
+def schema_of_device_data() -> JsonSchema:
     """Return the JSON Schema of the output of ``show --json``."""
     identity = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -64,9 +64,9 @@ def show_schema() -> JsonSchema:
 def _object_schema(part: ModelPart) -> JsonSchema:
     """Return the schema of an object with the members of a part of the model. All are required except ``sources``.
 
-    Members without a shape are not in the data.
+    Members without a type are not in the data.
     """
-    members = [member for member in part.members if member.shape]
+    members = [member for member in part.members if member.data_type]
     required_members = members
     optional_members = []
     if part.is_sourced:
@@ -74,7 +74,7 @@ def _object_schema(part: ModelPart) -> JsonSchema:
         optional_members = [_ALL_SOURCES_MEMBER]
     properties = {}
     for member in (*required_members, *optional_members):
-        properties[member.name] = {"description": member.about} | _schema_of(member.shape)
+        properties[member.name] = {"description": member.about} | _schema_of(member.data_type)
     return {
         "description": part.about,
         "type": "object",
@@ -85,12 +85,12 @@ def _object_schema(part: ModelPart) -> JsonSchema:
 
 
 def _schema_of(notation: str) -> JsonSchema:
-    """Return the schema of a type in the notation of ``ModelMember.shape``, such as ``=1`` or ``hex=0``."""
+    """Return the schema of a type in the notation of ``ModelMember.data_type``, such as ``=1`` or ``hex=0``."""
     if notation.startswith("="):
         return {"const": int(notation.removeprefix("="))}
-    type_notation, _, default = notation.partition("=")
+    type_notation, _, default_json = notation.partition("=")
     schema = _schema_without_default(type_notation)
-    return schema | {"default": json.loads(default)} if default else schema
+    return schema | {"default": json.loads(default_json)} if default_json else schema
 
 
 def _schema_without_default(notation: str) -> JsonSchema:
@@ -115,40 +115,42 @@ def _schema_or_null(notation: str) -> JsonSchema:
     # An expression already has several types.
     if notation == "expression":
         return {"type": ["integer", "string", "null"]}
-    shape = _schema_without_default(notation)
-    if "type" not in shape:
-        return {"anyOf": [shape, _NULL_TYPE]}
-    return shape | {"type": [shape["type"], "null"]}
+    schema = _schema_without_default(notation)
+    if "type" not in schema:
+        return {"anyOf": [schema, _NULL_TYPE]}
+    return schema | {"type": [schema["type"], "null"]}
 
 
 def schema_text() -> str:
     """Return the schema as text, with one member per line."""
-    return "".join(_schema_lines(show_schema(), "")) + "\n"
+    return "".join(_schema_lines(schema_of_device_data(), "")) + "\n"
 
 
-def _schema_lines(value: Any, indent: str) -> Iterator[str]:
+def _schema_lines(schema_value: Any, indent: str) -> Iterator[str]:
     """Yield pieces of the text of a schema. Only schemas of objects and maps of schemas are divided into several lines.
 
     ``indent`` is the white space before the closing brace.
     """
-    is_object = isinstance(value, dict) and "properties" in value
-    is_map_of_schemas = isinstance(value, dict) and all(isinstance(member, dict) for member in value.values())
+    is_object = isinstance(schema_value, dict) and "properties" in schema_value
+    is_map_of_schemas = isinstance(schema_value, dict) and all(
+        isinstance(member_value, dict) for member_value in schema_value.values()
+    )
     if not is_object and not is_map_of_schemas:
-        yield json.dumps(value, ensure_ascii=False)
+        yield json.dumps(schema_value, ensure_ascii=False)
         return
     yield "{\n"
-    for index, (key, member) in enumerate(value.items()):
-        is_last = index == len(value) - 1
-        yield f"{indent}  {json.dumps(key)}: "
-        yield from _schema_lines(member, f"{indent}  ")
+    for index, (member_name, member_value) in enumerate(schema_value.items()):
+        is_last = index == len(schema_value) - 1
+        yield f"{indent}  {json.dumps(member_name)}: "
+        yield from _schema_lines(member_value, f"{indent}  ")
         yield "\n" if is_last else ",\n"
     yield indent + "}"
 
 
-Shape = Mapping[str, Any]
+Schema = Mapping[str, Any]
 
 
-class Kind(Enum):
+class MemberForm(Enum):
     """Form of a member in XML.
 
     ``ATTRIBUTE`` is a single value, and ``LIST`` an attribute with several values. ``TEXT`` and ``OBJECT`` are elements
@@ -171,97 +173,99 @@ class DataMember:
     """Member of an object: its form in XML, and the schema of its value, or of the values in a list or map."""
 
     name: str
-    kind: Kind
-    shape: Shape
+    form: MemberForm
+    schema: Schema
     type_name: str = ""
 
     @property
     def types(self) -> tuple[str, ...]:
         """JSON types of the value."""
-        return json_types_of(self.shape)
+        return json_types_of(self.schema)
 
     @property
     def empty(self) -> Any:
         """Value for a missing member: an empty list or map, null, the default, or else an empty string."""
-        if self.kind in (Kind.LIST, Kind.TEXTS, Kind.OBJECTS):
+        if self.form in (MemberForm.LIST, MemberForm.TEXTS, MemberForm.OBJECTS):
             return []
-        if self.kind in (Kind.KEYED, Kind.MAP):
+        if self.form in (MemberForm.KEYED, MemberForm.MAP):
             return {}
-        if self.kind is Kind.OBJECT or "null" in self.types:
+        if self.form is MemberForm.OBJECT or "null" in self.types:
             return None
-        return self.shape.get("default", "")
+        return self.schema.get("default", "")
 
 
-def fill_members(dumped: Mapping[str, Any], type_name: str) -> dict[str, Any]:
+def fill_members(object_data: Mapping[str, Any], type_name: str) -> dict[str, Any]:
     """Return an object with all members of its type, in the order of the schema, followed by its sources.
 
     A missing member gets the value ``DataMember.empty``.
     """
-    shape = show_schema()["$defs"][type_name]
-    filled_members = {member.name: dumped.get(member.name, member.empty) for member in schema_members(shape)}
-    return filled_members | {name: dumped[name] for name in ("source", "sources") if name in dumped}
+    object_schema = schema_of_device_data()["$defs"][type_name]
+    filled_members = {
+        member.name: object_data.get(member.name, member.empty) for member in schema_members(object_schema)
+    }
+    return filled_members | {name: object_data[name] for name in ("source", "sources") if name in object_data}
 
 
-def schema_members(shape: Shape) -> Iterator[DataMember]:
+def schema_members(object_schema: Schema) -> Iterator[DataMember]:
     """Yield the members of an object in schema order, without its sources."""
-    for name, inner in shape["properties"].items():
+    for name, inner in object_schema["properties"].items():
         if name not in ("source", "sources"):
             yield _data_member(name, inner)
 
 
-def resolve_reference(shape: Shape) -> tuple[Shape, str]:
+def resolve_reference(schema: Schema) -> tuple[Schema, str]:
     """Return the named schema to which a reference leads, and its name.
 
     The reference may also be one of two alternatives, the other of which is null. For a schema without a reference,
     return the schema itself and an empty name.
     """
-    for alternative in (shape, *shape.get("anyOf", ())):
+    for alternative in (schema, *schema.get("anyOf", ())):
         if "$ref" in alternative:
             name = alternative["$ref"].removeprefix("#/$defs/")
-            named_schemas = show_schema()["$defs"]
+            named_schemas = schema_of_device_data()["$defs"]
             return named_schemas[name], name
-    return shape, ""
+    return schema, ""
 
 
-def _data_member(name: str, unresolved: Shape) -> DataMember:
-    """Return a member with its form in XML. ``unresolved`` is its schema, which may be a reference to a named one."""
-    shape, type_name = resolve_reference(unresolved)
+def _data_member(name: str, schema_or_reference: Schema) -> DataMember:
+    """Return a member with its form in XML. ``schema_or_reference`` may be a reference to a named schema."""
+    schema, type_name = resolve_reference(schema_or_reference)
     if type_name == "text":
-        return DataMember(name, Kind.TEXT, shape=shape)
-    if shape.get("type") == "array":
-        value_shape, value_type = resolve_reference(shape["items"])
-        list_kind = _kind_of_list(value_shape, value_type)
-        return DataMember(name, list_kind, shape=value_shape, type_name=value_type)
-    if "properties" in shape:
-        return DataMember(name, Kind.OBJECT, shape=shape, type_name=type_name)
-    if "additionalProperties" in shape:
+        return DataMember(name, MemberForm.TEXT, schema=schema)
+    if schema.get("type") == "array":
+        value_schema, value_type = resolve_reference(schema["items"])
+        list_kind = _form_of_list(value_schema, value_type)
+        return DataMember(name, list_kind, schema=value_schema, type_name=value_type)
+    if "properties" in schema:
+        return DataMember(name, MemberForm.OBJECT, schema=schema, type_name=type_name)
+    if "additionalProperties" in schema:
         # With ``x-key``, the values are objects, and the keys of the map are a member of them.
-        if "x-key" in shape:
-            value_shape, value_type = resolve_reference(shape["additionalProperties"])
-            shape_with_key = {**value_shape, "x-key": shape["x-key"]}
-            return DataMember(name, Kind.KEYED, shape=shape_with_key, type_name=value_type)
-        return DataMember(name, Kind.MAP, shape=shape["additionalProperties"])
-    return DataMember(name, Kind.ATTRIBUTE, shape=shape, type_name=type_name)
+        if "x-key" in schema:
+            value_schema, value_type = resolve_reference(schema["additionalProperties"])
+            schema_with_key = {**value_schema, "x-key": schema["x-key"]}
+            return DataMember(name, MemberForm.KEYED, schema=schema_with_key, type_name=value_type)
+        return DataMember(name, MemberForm.MAP, schema=schema["additionalProperties"])
+    return DataMember(name, MemberForm.ATTRIBUTE, schema=schema, type_name=type_name)
 
 
-def _kind_of_list(value_shape: Shape, value_type: str) -> Kind:
+def _form_of_list(value_schema: Schema, value_type: str) -> MemberForm:
     """Return the form of a list in XML: texts, objects, or words in an attribute."""
     if value_type == "text":
-        return Kind.TEXTS
-    return Kind.OBJECTS if "properties" in value_shape else Kind.LIST
+        return MemberForm.TEXTS
+    return MemberForm.OBJECTS if "properties" in value_schema else MemberForm.LIST
 
 
-def json_types_of(shape: Shape) -> tuple[str, ...]:
-    """Return the JSON types of a value of this shape, such as ``("integer", "null")``. A list of words is a string."""
-    if "type" not in shape:
-        return ("integer",) if isinstance(shape.get("const"), int) else ("string",)
-    json_types = shape["type"]
+def json_types_of(schema: Schema) -> tuple[str, ...]:
+    """Return the JSON types of a value with this schema: ``("integer", "null")``. A list of words is a string."""
+    if "type" not in schema:
+        return ("integer",) if isinstance(schema.get("const"), int) else ("string",)
+    json_types = schema["type"]
     return tuple(json_types) if isinstance(json_types, list) else (json_types,)
 
 
-def is_hexadecimal(shape: Shape) -> bool:
-    """Return whether a number of this shape is written in hexadecimal."""
-    return shape.get("x-form") == "hexadecimal"
+def is_hexadecimal(schema: Schema) -> bool:
+    """Return whether a number with this schema is written in hexadecimal."""
+    return schema.get("x-form") == "hexadecimal"
 
 
 def main(arguments: Sequence[str]) -> int:

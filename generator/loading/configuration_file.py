@@ -48,17 +48,17 @@ class _PlaceFinder:
 
     def mark_all(self) -> SourceMark:
         """Return the mark of the whole text, whose children are the marks of all keys and values."""
-        root = SourceMark(line=1, column=1, key_line=1, key_column=1)
+        root_mark = SourceMark(line=1, column=1, key_line=1, key_column=1)
         # The mark of the table that the header above the current line begins.
-        table = root
+        table_mark = root_mark
         while self._peek_token():
             if self._peek_token() == "\n":
                 self._index += 1
             elif self._peek_token() == "[":
-                table = self._read_table_header(root)
+                table_mark = self._read_table_header(root_mark)
             else:
-                self._read_setting(table)
-        return root
+                self._read_setting(table_mark)
+        return root_mark
 
     def _peek_token(self) -> str:
         """Return the text of the next token without consuming it, or "" at the end of the text."""
@@ -74,22 +74,22 @@ class _PlaceFinder:
         while self._peek_token() == "\n":
             self._index += 1
 
-    def _read_table_header(self, root: SourceMark) -> SourceMark:
+    def _read_table_header(self, root_mark: SourceMark) -> SourceMark:
         """Read the header of a table, such as ``[tool.codewheel]``, and return the mark of the table."""
         while self._peek_token() == "[":
             self._index += 1
-        table = self._read_dotted_key(root)
+        table_mark = self._read_dotted_key(root_mark)
         while self._peek_token() == "]":
             self._index += 1
-        return table
+        return table_mark
 
-    def _read_dotted_key(self, table: SourceMark) -> SourceMark:
+    def _read_dotted_key(self, table_mark: SourceMark) -> SourceMark:
         """Read a key, which can be dotted such as ``tool.codewheel``, and return the mark of its last name.
 
-        The first name gets a mark below ``table``, and each further name below the mark of the name before it. An
+        The first name gets a mark below ``table_mark``, and each further name below the mark of the name before it. An
         existing mark keeps its place.
         """
-        mark = table
+        mark = table_mark
         while self._peek_token() not in ("", "=", "]", "\n"):
             name = self._peek_token()
             if name != ".":
@@ -100,41 +100,41 @@ class _PlaceFinder:
             self._index += 1
         return mark
 
-    def _read_setting(self, table: SourceMark) -> None:
+    def _read_setting(self, table_mark: SourceMark) -> None:
         """Read a key, the equals sign and the value, and mark the place of the value in the mark of the key."""
-        mark = self._read_dotted_key(table)
+        key_mark = self._read_dotted_key(table_mark)
         self._index += 1  # The equals sign.
         if self._peek_token():
-            mark.line, mark.column = self._place_of_token()
-            self._read_value(mark)
+            key_mark.line, key_mark.column = self._place_of_token()
+            self._read_value(key_mark)
 
-    def _read_value(self, mark: SourceMark) -> None:
+    def _read_value(self, key_mark: SourceMark) -> None:
         """Read a value. The mark of its key gets children for the members of an array or an inline table."""
         if self._peek_token() == "[":
-            self._read_array(mark)
+            self._read_array(key_mark)
         elif self._peek_token() == "{":
-            self._read_inline_table(mark)
+            self._read_inline_table(key_mark)
         else:
             while self._peek_token() and self._peek_token() not in _VALUE_ENDS:
                 self._index += 1
 
-    def _read_array(self, mark: SourceMark) -> None:
-        """Read an array, and mark each value in it below ``mark``, by its index."""
+    def _read_array(self, key_mark: SourceMark) -> None:
+        """Read an array, and mark each value in it below ``key_mark``, by its index."""
         self._index += 1
         self._skip_newlines()
         while self._peek_token() not in ("", "]"):
             place = self._place_of_token()
-            value_mark = mark.children.setdefault(len(mark.children), SourceMark(*place, *place))
+            value_mark = key_mark.children.setdefault(len(key_mark.children), SourceMark(*place, *place))
             self._read_value(value_mark)
             self._skip_separator()
         self._index += 1
 
-    def _read_inline_table(self, mark: SourceMark) -> None:
-        """Read an inline table such as ``{docs = "a"}``, and mark each key in it below ``mark``."""
+    def _read_inline_table(self, key_mark: SourceMark) -> None:
+        """Read an inline table such as ``{docs = "a"}``, and mark each key in it below ``key_mark``."""
         self._index += 1
         self._skip_newlines()
         while self._peek_token() not in ("", "}"):
-            self._read_setting(mark)
+            self._read_setting(key_mark)
             self._skip_separator()
         self._index += 1
 
@@ -147,7 +147,7 @@ class _PlaceFinder:
 
 
 #: The place at the end of a message of the TOML parser.
-_PLACE_IN_MESSAGE = re.compile(r" \(at (?:line ([0-9]+), column ([0-9]+)|end of document)\)$")
+_PLACE_IN_MESSAGE = re.compile(r" \(at (?:line (?P<line>[0-9]+), column (?P<column>[0-9]+)|end of document)\)$")
 #: All settings, and the settings in the condition of a target.
 _SETTING_KEYS = ("specs", "output", "targets", "only")
 _FILTER_KEYS = ("families", "grades")
@@ -300,14 +300,14 @@ def _split_off_place(message: str, toml_text: str) -> tuple[int, int, str]:
     lines = toml_text.splitlines() or [""]
     last_line = len(lines)
     last_column = max(len(lines[-1]), 1)
-    place_in_message = _PLACE_IN_MESSAGE.search(message)
-    if place_in_message is None:
+    place_match = _PLACE_IN_MESSAGE.search(message)
+    if place_match is None:
         return last_line, last_column, message
-    message_without_place = message[: place_in_message.start()]
-    is_end_of_document = place_in_message[1] is None
+    message_without_place = message[: place_match.start()]
+    is_end_of_document = place_match["line"] is None
     if is_end_of_document:
         return last_line, last_column, message_without_place
-    return int(place_in_message[1]), int(place_in_message[2]), message_without_place
+    return int(place_match["line"]), int(place_match["column"]), message_without_place
 
 
 def _build_configuration(file: Path, document: Document, report: ProblemReport) -> Configuration:
@@ -318,19 +318,19 @@ def _build_configuration(file: Path, document: Document, report: ProblemReport) 
     reader = _SettingsReader(document, report)
     settings = document.data
     reader.report_unknown_keys(settings, known_keys=_SETTING_KEYS, place=())
-    output = reader.read_output()
+    output_text = reader.read_output()
     spec_texts = reader.read_texts(settings, ("specs",))
     configuration = Configuration(
         file=file,
         specs=tuple(file.parent / text for text in spec_texts),
-        output=file.parent / output if output else None,
+        output=file.parent / output_text if output_text else None,
         targets=reader.read_texts(settings, ("targets",)),
         only=reader.read_family_filters(),
     )
-    for index, path in enumerate(configuration.specs):
-        if not exists(path):
-            message = f"there is no file or folder {path.as_posix()}"
-            report.add("undefined-reference", document, ("specs", index), message)
+    for spec_index, spec_path in enumerate(configuration.specs):
+        if not exists(spec_path):
+            message = f"there is no file or folder {spec_path.as_posix()}"
+            report.add("undefined-reference", document, ("specs", spec_index), message)
     return configuration
 
 
@@ -359,10 +359,10 @@ class _SettingsReader:
         key = str(place[-1])
         if key not in table:
             return ()
-        setting = table[key]
-        is_list_of_texts = isinstance(setting, list) and bool(setting) and all(map(_is_text, setting))
+        texts = table[key]
+        is_list_of_texts = isinstance(texts, list) and bool(texts) and all(map(_is_text, texts))
         if is_list_of_texts:
-            return tuple(setting)
+            return tuple(texts)
         self._report_wrong_type(place, expected_type="a list of texts", example=_EXAMPLE_VALUES[key])
         return ()
 
@@ -373,18 +373,21 @@ class _SettingsReader:
         """
         if "only" not in self._document.data:
             return {}
-        filters = self._document.data["only"]
-        if not isinstance(filters, dict) or not filters:
+        conditions_by_target = self._document.data["only"]
+        if not isinstance(conditions_by_target, dict) or not conditions_by_target:
             self._report_wrong_type(("only",), expected_type="a map of targets", example=_EXAMPLE_VALUES["only"])
             return {}
-        return {str(target): self._read_family_filter(target, conditions) for target, conditions in filters.items()}
+        return {
+            str(target_name): self._read_family_filter(target_name, conditions)
+            for target_name, conditions in conditions_by_target.items()
+        }
 
-    def _read_family_filter(self, target: str, conditions: Any) -> FamilyFilter:
+    def _read_family_filter(self, target_name: str, conditions: Any) -> FamilyFilter:
         """Return the condition of a target: the families and the grades of evidence for which it is generated.
 
         ``conditions`` is the value in the file. Values with errors are reported and left out.
         """
-        place = ("only", target)
+        place = ("only", target_name)
         if not isinstance(conditions, dict) or not conditions:
             expected_type = "a map with 'families' or 'grades'"
             self._report_wrong_type(place, expected_type=expected_type, example=_EXAMPLE_OF_A_FILTER)
@@ -421,12 +424,12 @@ class _SettingsReader:
 
         ``expected_type`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``.
         """
-        setting = f"{place[-1]} = {example}"
+        example_line = f"{place[-1]} = {example}"
         if Path(self._document.file).name != PYPROJECT:
             # YAML has colons instead of equals signs, and needs no quotes: output: generated.
-            setting = setting.replace(" = ", ": ").replace('"', "")
-        name = ".".join(map(str, place))
-        message = f"'{name}' must be {expected_type}, such as {setting}"
+            example_line = example_line.replace(" = ", ": ").replace('"', "")
+        dotted_name = ".".join(map(str, place))
+        message = f"'{dotted_name}' must be {expected_type}, such as {example_line}"
         self._report.add("wrong-type", self._document, place, message)
 
 

@@ -69,7 +69,7 @@ from .spec_parts import (
     build_supply,
     build_table,
     check_alarms,
-    check_only,
+    check_only_patterns,
     names_set_by_order_codes,
     only_while,
     records,
@@ -100,7 +100,7 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
         return None
     if variants and not check_expression_values(raw_spec, context, variants):
         return None
-    check_only(raw_spec, variants, report)
+    check_only_patterns(raw_spec, variants, report)
     check_alarms(raw_spec, report)
     device = _build_device_without_procedures(
         raw_spec,
@@ -145,11 +145,11 @@ def _build_context(
     raw_groups = raw_spec.get("field_groups", ())
     return LayoutContext(
         report=report,
-        groups={group["name"]: (group, ("field_groups", index)) for index, group in enumerate(raw_groups)},
+        group_and_path_by_name={raw["name"]: (raw, ("field_groups", index)) for index, raw in enumerate(raw_groups)},
         definitions=definitions,
-        parameter_sets=parameter_sets(raw_spec, definitions, variants, alternatives),
-        crcs={crc["name"]: build_part(Crc, crc) for crc in raw_spec.get("crcs", ())},
-        data_ids={name: records(DataId, interface, "data_ids") for name, interface in raw_spec["interfaces"].items()},
+        parameter_sets_by_interface=parameter_sets(raw_spec, definitions, variants, alternatives),
+        crc_by_name={raw_crc["name"]: build_part(Crc, raw_crc) for raw_crc in raw_spec.get("crcs", ())},
+        data_ids_by_interface={name: records(DataId, raw, "data_ids") for name, raw in raw_spec["interfaces"].items()},
         only_while=lambda only: only_while(only, variants, names_set_by_order_codes(raw_spec)),
     )
 
@@ -190,7 +190,7 @@ def _build_device_without_procedures(
         parameters=tuple(parameters),
         order_code=order_code,
         variants=variants,
-        crcs=tuple(context.crcs.values()),
+        crcs=tuple(context.crc_by_name.values()),
         interfaces=interfaces,
         registers=registers,
         alarms=tuple(build_part(Alarm, raw_alarm) for raw_alarm in raw_alarms),
@@ -206,11 +206,11 @@ def _build_device_without_procedures(
 def _derived_expressions(raw_spec: Raw) -> Mapping[str, Expression]:
     """Return the expression of each parameter that is calculated from others, by name. Invalid ones are left out."""
     definitions = {}
-    for name, parameter in raw_spec["parameters"].items():
-        if "equals" not in parameter:
+    for parameter_name, raw_parameter in raw_spec["parameters"].items():
+        if "equals" not in raw_parameter:
             continue
         try:
-            definitions[name] = Expression.parse(parameter["equals"])
+            definitions[parameter_name] = Expression.parse(raw_parameter["equals"])
         except ExpressionError:
             continue  # reported by the rule on expressions
     return MappingProxyType(definitions)
@@ -245,18 +245,18 @@ def _build_parameter(name: str, raw_parameter: Raw, context: LayoutContext) -> P
     """
     codes_with_values = coded_values(raw_parameter)
     if codes_with_values:
-        values_of_codes = [coded.value for coded in codes_with_values]
+        values_of_codes = [coded_value.value for coded_value in codes_with_values]
         raw_parameter = {**raw_parameter, "min": min(values_of_codes), "max": max(values_of_codes)}
-    values_of_order_codes: list[int] = []
-    for sets_of_interface in context.parameter_sets.values():
+    values_over_order_codes: list[int] = []
+    for sets_of_interface in context.parameter_sets_by_interface.values():
         # A parameter that an order code does not have counts as 0.
-        values_of_order_codes += [parameters.get(name, 0) for parameters in sets_of_interface]
+        values_over_order_codes += [parameters.get(name, 0) for parameters in sets_of_interface]
     return build_part(
         Parameter,
         raw_parameter,
         name=name,
         equals=context.definitions.get(name),  # The formula of a calculated parameter, or None.
-        largest=max(values_of_order_codes, default=0),
+        largest=max(values_over_order_codes, default=0),
         by_code=codes_with_values,
     )
 
@@ -275,21 +275,21 @@ def _build_register(raw_register: Raw, path: Path, context: LayoutContext) -> Re
     """Return a register, or None if its layout is not valid. A register without fields contains a single number."""
     interface = raw_register.get("interface", Biss.name)
     register_bits = 8 * raw_register["length"]
-    only_field = {"name": raw_register["name"], "bits": register_bits}
-    raw_with_fields = {"fields": [only_field], **raw_register}  # If the register lists fields, these replace it.
+    raw_only_field = {"name": raw_register["name"], "bits": register_bits}
+    raw_with_fields = {"fields": [raw_only_field], **raw_register}  # If the register lists fields, these replace it.
     layout = build_layout(raw_with_fields, SpecPlace(path, context, interface), register_bits)
     if layout is None:
         return None
-    opener = raw_register.get("opened_by", {})  # The register that must have a value before this one is written.
+    raw_opener = raw_register.get("opened_by", {})  # The register that must have a value before this one is written.
     register = build_part(
         Register,
         raw_register,
         interface=interface,
         byte_order=raw_register.get("byte_order", "high_byte_first"),
         limits_of=raw_register.get("limits_of", raw_register["name"]),
-        opened_by=opener.get("register", ""),
-        opened_by_field=opener.get("field", ""),
-        opened_by_value=opener.get("value", ""),
+        opened_by=raw_opener.get("register", ""),
+        opened_by_field=raw_opener.get("field", ""),
+        opened_by_value=raw_opener.get("value", ""),
         layout=layout,
         meanings=tuple(_build_register_meaning(meaning, context) for meaning in raw_register.get("meanings", ())),
         **context.expressions(raw_register, ("min", "max")),
@@ -315,10 +315,10 @@ def _check_limits(register: Register, path: Path, context: LayoutContext) -> Non
     for field in register.layout.fields:
         expressions += [field.low, field.width]
     depends_on_order_code = any(expression is not None and not expression.is_constant for expression in expressions)
-    sets = context.parameter_sets.get(register.interface, ())
+    sets_of_interface = context.parameter_sets_by_interface.get(register.interface, ())
     # If nothing depends on the order code, the first order code represents all.
-    compared_sets = sets if depends_on_order_code else sets[:1]
-    for parameters in compared_sets:
+    checked_sets = sets_of_interface if depends_on_order_code else sets_of_interface[:1]
+    for parameters in checked_sets:
         placed_layout = register.layout.place(parameters)
         problem = _problem_of_limits(register, placed_layout, parameters) or _problem_of_default(
             register, placed_layout, parameters
@@ -347,28 +347,28 @@ class _Limits(NamedTuple):
 def _limits_for_code(register: Register, placed_layout: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
     """Return the limits of a register for one order code.
 
-    Some registers store their highest number as 0, such as 256 in 8 bits. Then ``high`` is the number below it.
+    Some registers store their highest number as 0, such as 256 in 8 bits. Then ``highest`` is the number below it.
     """
     bounded_field = placed_layout.find_field(name_with_limits(register))
-    zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
-    low, high = value_bounds(register, placed_layout, (register.min, register.max), parameters)
-    is_highest_stored_as_zero = zero_means > 0 and high == zero_means
+    meaning_of_zero = bounded_field.field.number.zero_means if bounded_field is not None else 0
+    lowest, highest = value_bounds(register, placed_layout, (register.min, register.max), parameters)
+    is_highest_stored_as_zero = meaning_of_zero > 0 and highest == meaning_of_zero
     if is_highest_stored_as_zero:
-        high -= 1
-    return _Limits(low, high, zero_means)
+        highest -= 1
+    return _Limits(lowest, highest, meaning_of_zero)
 
 
 def _problem_of_limits(
     register: Register, placed_layout: PlacedLayout, parameters: Mapping[str, int]
 ) -> _RegisterProblem | None:
     """Return the first problem with the limits of a register for one order code, or None."""
-    lowest, highest = numbers_that_fit(register, placed_layout)
+    lowest_that_fits, highest_that_fits = numbers_that_fit(register, placed_layout)
     limits = _limits_for_code(register, placed_layout, parameters)
     width_text = f"the {bounded_width(register, placed_layout)} bits of '{register.limits_of}'"
-    if limits.high > highest:
+    if limits.high > highest_that_fits:
         message = f"the maximum {limits.high} does not fit into {width_text}"
         return _RegisterProblem("limit-does-not-fit", "max", message)
-    if limits.low < lowest:
+    if limits.low < lowest_that_fits:
         message = f"the minimum {limits.low} does not fit into {width_text}"
         return _RegisterProblem("limit-does-not-fit", "min", message)
     if limits.low > limits.high:
@@ -385,15 +385,15 @@ def _problem_of_default(
     if default is None:
         return None
     limits = _limits_for_code(register, placed_layout, parameters)
-    value = _number_within_limits(register, placed_layout, default)
-    # A stored zero can represent a different number.
-    represented_value = value or limits.zero_means
+    default_number = _number_within_limits(register, placed_layout, default)
+    # A stored zero can stand for a different number.
+    meant_number = default_number or limits.zero_means
     named_numbers = [named_value.value for named_value in register.values]
     register_bits = 8 * register.length
     if default >> register_bits:
         problem = f"{default:#x} does not fit into {register_bits} bits"
-    elif not limits.low <= represented_value <= max(limits.high, limits.zero_means):
-        problem = f"{value} is outside the limits {limits.low} to {limits.high}"
+    elif not limits.low <= meant_number <= max(limits.high, limits.zero_means):
+        problem = f"{default_number} is outside the limits {limits.low} to {limits.high}"
     elif named_numbers and default not in named_numbers and not register.clears_itself:
         values_text = ", ".join(f"{number:#x}" for number in named_numbers)
         problem = f"{default:#x} is not one of the values {values_text}"
@@ -413,12 +413,12 @@ def _number_within_limits(register: Register, placed_layout: PlacedLayout, defau
         number_without_sign = join_value(placed_layout, bounded_joins[0], default)
     else:
         bounded_field = placed_layout.find_field(bounded_name)
-        low_bit = bounded_field.low if bounded_field is not None else 0
+        lowest_bit = bounded_field.low if bounded_field is not None else 0
         mask = (1 << width) - 1
-        number_without_sign = (default >> low_bit) & mask
-    _, highest = numbers_that_fit(register, placed_layout)
+        number_without_sign = (default >> lowest_bit) & mask
+    _, highest_that_fits = numbers_that_fit(register, placed_layout)
     # Read without a sign, a negative number is larger than the highest number of a signed field.
-    is_negative = number_without_sign > highest
+    is_negative = number_without_sign > highest_that_fits
     return number_without_sign - (1 << width) if is_negative else number_without_sign
 
 
@@ -438,13 +438,13 @@ def with_placeholders(raw_spec: Raw, device: Device, report: DocumentReport) -> 
     """
     if not raw_spec.get("evidence"):
         return device
-    names = placeholder_names(report.document.data)
+    placeholders = placeholder_names(report.document.data)  # The paths of their keys in the spec.
     if is_placeholder(device.manufacturer.title):
-        names.append("manufacturer.title")
+        placeholders.append("manufacturer.title")
     grade = device.evidence.grade
-    if names and grade != _LOWEST_GRADE:
-        names_text = first_of(names, _MAX_SHOWN_NAMES)
+    if placeholders and grade != _LOWEST_GRADE:
+        names_text = first_of(placeholders, _MAX_SHOWN_NAMES)
         message = f"values left over from the template are not allowed with grade '{grade}': {names_text}"
         remedy = f"replace every text that contains TODO, or write 'grade: {_LOWEST_GRADE}' until all are replaced"
         report.add("evidence-grade", ("evidence", "grade"), f"{message}; {remedy}")
-    return replace(device, evidence=replace(device.evidence, placeholders=tuple(names)))
+    return replace(device, evidence=replace(device.evidence, placeholders=tuple(placeholders)))

@@ -61,13 +61,13 @@ def check_examples(device: Device, report: DocumentReport) -> None:
     """Report every example that contradicts its layout, CRC or procedure, if all parts that it needs are valid."""
     valid_parts = valid_parts_so_far(report)
     for example in device.examples:
-        if not valid_parts.holds(example) or not _is_built(device, example):
+        if not valid_parts.is_example_valid(example) or not _is_built(device, example):
             continue
         for error in _errors_of_example(device, example):
             message = f"example '{example.name}' does not match: {error.message}"
-            path = ("examples", example.name, *error.path)
+            error_path = ("examples", example.name, *error.path)
             # A CRC with a wrong start value contradicts all its examples, which is one problem.
-            report.add("example-contradicts", path, message, cause=_name_of_wrong_crc(device, example))
+            report.add("example-contradicts", error_path, message, cause=_name_of_wrong_crc(device, example))
 
 
 def _name_of_wrong_crc(device: Device, example: Example) -> str:
@@ -92,21 +92,21 @@ def _is_built(device: Device, example: Example) -> bool:
     layout_names = {layout.name for _, layout in device.layouts()}
     match example:
         case FrameExample():
-            has_named_parts = example.layout in {"", *layout_names}
+            are_named_parts_built = example.layout in {"", *layout_names}
         case RegisterExample():
-            has_named_parts = example.register in register_names
+            are_named_parts_built = example.register in register_names
         case ProcedureExample():
             procedures = [procedure for procedure in device.procedures if procedure.name == example.procedure]
-            has_named_parts = any(procedure.registers <= register_names for procedure in procedures)
+            are_named_parts_built = any(procedure.registers <= register_names for procedure in procedures)
         case CrcExample() | MeasureExample():
-            has_named_parts = True
+            are_named_parts_built = True
         case _:
             assert_never(example)
     # Without order codes, only the example of a CRC can be computed.
     if not device.variants and not isinstance(example, CrcExample):
         return False
     built_interfaces = {interface.name for interface in device.interfaces}
-    return has_named_parts and all(variant.interface in built_interfaces for variant in device.variants)
+    return are_named_parts_built and all(variant.interface in built_interfaces for variant in device.variants)
 
 
 def _errors_of_example(device: Device, example: Example) -> list[ExampleError]:
@@ -167,8 +167,8 @@ def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[Exam
     variant = example_variant(device, example)
     computed_writes = register_writes(device, procedure, variant, example.arguments)
     if computed_writes != example.writes:
-        computed_text = ", ".join(f"{write.address:02X}h = {write.value:02X}h" for write in computed_writes)
-        yield ExampleError(("writes",), f"the writes are {computed_text}")
+        writes_text = ", ".join(f"{write.address:02X}h = {write.value:02X}h" for write in computed_writes)
+        yield ExampleError(("writes",), f"the writes are {writes_text}")
 
 
 def _check_measure(device: Device, example: MeasureExample) -> Iterator[ExampleError]:
@@ -207,12 +207,14 @@ def _check_identity(register: Register, decoded: DecodedFrame, variant: Variant)
     A master identifies the encoder by these values.
     """
     for field in register.layout.fields:
-        expected = field.documented(variant.parameters)
-        value = decoded.values.get(field.name)
-        # A number is only compared with a number, and a text with a text. Without 'equals', ``expected`` is None.
-        has_same_type = type(expected) is type(value)
-        if has_same_type and value != expected:
-            yield ExampleError(("bytes",), f"'{field.name}' is {value}, but 'equals' is {expected} for {variant.code}")
+        documented_value = field.documented(variant.parameters)
+        decoded_value = decoded.values.get(field.name)
+        # Only values of the same type are compared. Without 'equals', the documented value is None.
+        has_same_type = type(documented_value) is type(decoded_value)
+        if has_same_type and decoded_value != documented_value:
+            yield ExampleError(
+                ("bytes",), f"'{field.name}' is {decoded_value}, but 'equals' is {documented_value} for {variant.code}"
+            )
 
 
 def _check_frame(device: Device, example: FrameExample) -> Iterator[ExampleError]:
@@ -228,9 +230,9 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[ExampleError
     if example.refused:
         reported_faults = sorted({problem.fault.value for problem in decoded.problems})
         if example.refused not in reported_faults:
-            expected = f"it should be rejected because of its {example.refused}"
+            expectation = f"it should be rejected because of its {example.refused}"
             yield ExampleError(
-                ("refused",), f"{expected}, but the decoder reports {', '.join(reported_faults) or 'no error'}"
+                ("refused",), f"{expectation}, but the decoder reports {', '.join(reported_faults) or 'no error'}"
             )
         return
     decoded_layout = decoded.layout.name if decoded.layout is not None else example.layout
@@ -266,15 +268,15 @@ def _check_decoded(
 
 def _suggest_byte_order(device: Device, decoded: DecodedFrame) -> str:
     """Return what to write at the CRC of a frame of bytes if its bytes are exchanged, or "" for other frames."""
-    crc_field = decoded.layout.crc_field if decoded.layout is not None else None
-    if decoded.layout is None or crc_field is None or crc_field.field.byte_order:
+    placed_crc_field = decoded.layout.crc_field if decoded.layout is not None else None
+    if decoded.layout is None or placed_crc_field is None or placed_crc_field.field.byte_order:
         return ""
     layout = decoded.layout.layout
     interface = next(interface for interface, sent_layout in device.layouts() if sent_layout is layout)
-    if interface.carried_as == "bits":
+    if interface.carried_as == "bits":  # Only bytes can be exchanged.
         return ""
-    byte_order = "low_byte_first" if layout.byte_order == "high_byte_first" else "high_byte_first"
-    return f"; write 'byte_order: {byte_order}' in the field '{crc_field.name}'"
+    other_byte_order = "low_byte_first" if layout.byte_order == "high_byte_first" else "high_byte_first"
+    return f"; write 'byte_order: {other_byte_order}' in the field '{placed_crc_field.name}'"
 
 
 def _suggest_start(device: Device, crc_name: str) -> str:
@@ -299,12 +301,13 @@ def _suggest_start(device: Device, crc_name: str) -> str:
 
 def _needed_start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
     """Yield the start value with which a CRC matches an example, or nothing if the example does not contain the CRC."""
-    result_determines_start = crc.poly & 1 == 1
-    if not result_determines_start:
+    # With a polynomial whose lowest coefficient is 1, each step of the CRC can be reversed.
+    start_follows_from_result = crc.poly & 1 == 1
+    if not start_follows_from_result:
         return
     if isinstance(example, CrcExample) and example.crc == crc.name:
-        number, bit_count = bits_in_crc_order(crc, example.bytes)
-        yield init_for_result(crc, number, bit_count, result=example.check)
+        covered_number, bit_count = bits_in_crc_order(crc, example.bytes)
+        yield init_for_result(crc, covered_number, bit_count, result=example.check)
     elif isinstance(example, FrameExample) and not example.refused:
         layout_names = {layout.name for _, layout in device.layouts()}
         if example.layout and example.layout not in layout_names:
@@ -315,8 +318,8 @@ def _needed_start_values(device: Device, crc: Crc, example: Example) -> Iterator
             return
         decoded = decode_example(device, example, variant)
         if decoded.layout is not None and decoded.crc is not None and decoded.crc.name == crc.name:
-            number, bit_count = covered_bits(crc, decoded.layout, decoded.number)
-            yield init_for_result(crc, number, bit_count, result=decoded.crc.received)
+            covered_number, bit_count = covered_bits(crc, decoded.layout, decoded.number)
+            yield init_for_result(crc, covered_number, bit_count, result=decoded.crc.received)
 
 
 def _data_path(example: Example) -> Path:
@@ -356,11 +359,13 @@ def _selected_layouts(device: Device, sender: str) -> set[str]:
 def _compare_values(decoded: DecodedFrame, example: FrameExample | RegisterExample) -> Iterator[ExampleError]:
     """Yield an error for each printed value that is not in the decoded frame, or differs there."""
     decoded_values = decoded.values
-    for name, value in example.values.items():
-        if name not in decoded_values:
-            yield ExampleError(("values", name), f"there is no field '{name}'")
-        elif decoded_values[name] != value:
-            yield ExampleError(("values", name), f"{name} is {decoded_values[name]}, not {value}")
+    for field_name, printed_value in example.values.items():
+        if field_name not in decoded_values:
+            yield ExampleError(("values", field_name), f"there is no field '{field_name}'")
+        elif decoded_values[field_name] != printed_value:
+            yield ExampleError(
+                ("values", field_name), f"{field_name} is {decoded_values[field_name]}, not {printed_value}"
+            )
 
 
 def _check_encoding(
@@ -380,14 +385,15 @@ def _check_encoding(
         if not field.carries_data:
             derived_names.add(field.name)
     values_to_encode = {name: value for name, value in decoded.values.items() if name not in derived_names}
-    encoded = encode(device, decoded.layout, values_to_encode)
+    encoded_number = encode(device, decoded.layout, values_to_encode)
     if layout.gaps == "unspecified":
         # An encoder may return any value in these bits, and a write keeps them.
         described_bits = 0
         for placed_field in decoded.layout.fields:
-            described_bits |= ((1 << placed_field.width) - 1) << placed_field.low
-        encoded |= decoded.number & ~described_bits
-    if encoded != decoded.number:
+            field_mask = (1 << placed_field.width) - 1
+            described_bits |= field_mask << placed_field.low
+        encoded_number |= decoded.number & ~described_bits
+    if encoded_number != decoded.number:
         yield ExampleError(
-            _data_path(example), f"encoding its fields again gives {encoded:#x}, not {decoded.number:#x}"
+            _data_path(example), f"encoding its fields again gives {encoded_number:#x}, not {decoded.number:#x}"
         )

@@ -44,14 +44,14 @@ class LayoutContext:
 
     report: DocumentReport
     #: Each group of fields with its path in the spec, by name.
-    groups: Mapping[str, tuple[Raw, Path]]
+    group_and_path_by_name: Mapping[str, tuple[Raw, Path]]
     #: Expressions of the parameters that are calculated from others.
     definitions: Mapping[str, Expression]
     #: Parameters of the order codes of each interface. Equal sets of parameters are listed once.
-    parameter_sets: Mapping[str, Sequence[Mapping[str, int]]]
-    crcs: Mapping[str, Crc]
+    parameter_sets_by_interface: Mapping[str, Sequence[Mapping[str, int]]]
+    crc_by_name: Mapping[str, Crc]
     #: Data IDs of each interface.
-    data_ids: Mapping[str, tuple[DataId, ...]]
+    data_ids_by_interface: Mapping[str, tuple[DataId, ...]]
     #: For the order codes in ``only``, returns the name of a parameter that is 0 for all other order codes.
     only_while: Callable[[str], str] = lambda only: ""
 
@@ -69,8 +69,8 @@ class LayoutContext:
 
     def _known_parameters(self) -> frozenset[str]:
         """Return the names of all parameters. They are the same for all order codes."""
-        for sets in self.parameter_sets.values():
-            for parameters in sets:
+        for parameter_sets in self.parameter_sets_by_interface.values():
+            for parameters in parameter_sets:
                 return frozenset(parameters)
         return frozenset()
 
@@ -112,7 +112,7 @@ class SpecPlace:
     @property
     def parameter_sets(self) -> Sequence[Mapping[str, int]]:
         """Parameters of the interface's order codes. Equal sets of parameters are listed once."""
-        return self.context.parameter_sets.get(self.interface, ())
+        return self.context.parameter_sets_by_interface.get(self.interface, ())
 
     def widest(self, width: Expression) -> int:
         """Return the largest value of a width over all order codes.
@@ -133,11 +133,11 @@ def bit_range(bits_text: int | str) -> tuple[int, int] | None:
     Return None for any other text and for a reversed range.
     """
     high_text, _, low_text = str(bits_text).partition(":")
-    high = _bit_number(high_text)
-    low = _bit_number(low_text) if low_text else high
-    if high is None or low is None or high < low:
+    highest_bit = _bit_number(high_text)
+    lowest_bit = _bit_number(low_text) if low_text else highest_bit
+    if highest_bit is None or lowest_bit is None or highest_bit < lowest_bit:
         return None
-    return high, low
+    return highest_bit, lowest_bit
 
 
 def _bit_number(text: str) -> int | None:
@@ -160,7 +160,7 @@ def expected_value(raw_field: Raw, context: LayoutContext) -> Expression | int |
     return expected if isinstance(expected, (int, str)) else None
 
 
-def zero_field(
+def build_zero_field(
     *, name: str, constant: Constant, low: Expression, width: Expression, spec_place: SpecPlace, source: Sources
 ) -> Field:
     """Return a field whose bits are always 0, such as padding or a gap. ``constant`` is its kind."""
@@ -187,8 +187,8 @@ def build_kind(raw_field: Raw, context: LayoutContext, interface: str, width: Ex
     if "values" in raw_field:
         return Choice(_named_values(raw_field, width))
     if "values_of" in raw_field:
-        data_ids = context.data_ids.get(interface, ())
-        return Choice(tuple(map(_value_of_data_id, data_ids)))
+        data_ids_of_interface = context.data_ids_by_interface.get(interface, ())
+        return Choice(tuple(map(_value_of_data_id, data_ids_of_interface)))
     if "crc" in raw_field:
         covered_fields = tuple(raw_field.get("crc_of", ()))
         return CrcValue(raw_field["crc"], covered_fields)
@@ -223,16 +223,16 @@ def _build_flag(raw_field: Raw, context: LayoutContext, interface: str) -> Flag:
     ``{encoder_follows_edition_2: not_usable}``. If the flag is only for some order codes, ``only_while`` of the result
     is a parameter that is 0 for all others.
     """
-    verdict_parameter = ""
+    deciding_parameter = ""
     verdict_if_set = None
     # The map has at most one entry.
     for parameter_name, verdict_text in raw_field.get("makes_position_if", {}).items():
-        verdict_parameter = parameter_name
+        deciding_parameter = parameter_name
         verdict_if_set = Verdict(verdict_text)
     return build_part(
         Flag,
         raw_field,
-        verdict_parameter=verdict_parameter,
+        verdict_parameter=deciding_parameter,
         verdict_if_set=verdict_if_set,
         active_low=raw_field["active"] == "low",
         makes_position=_verdict_while_active(raw_field, interface),
@@ -264,16 +264,16 @@ def _build_combination(raw_combination: Raw) -> Combination:
     )
 
 
-def _name_reserved_numbers(values: Sequence[Value], width: int) -> tuple[Value, ...]:
-    """Return a named value, such as ``reserved_3``, for each number of ``width`` bits that is not in ``values``."""
+def _name_reserved_numbers(named_values: Sequence[Value], width: int) -> tuple[Value, ...]:
+    """Return a named value, such as ``reserved_3``, for each number of ``width`` bits without a named value."""
     meaning = "Reserved: the manual does not say what it means"
-    listed_numbers = {value.value for value in values}
+    listed_numbers = {named_value.value for named_value in named_values}
     reserved_values: list[Value] = []
     for number in range(1 << width):
         if number not in listed_numbers:
-            name = f"{RESERVED}_{number}"
+            reserved_name = f"{RESERVED}_{number}"
             reserved_values.append(
-                Value(name=name, value=number, printed_name="", names={}, meaning=meaning, source=())
+                Value(name=reserved_name, value=number, printed_name="", names={}, meaning=meaning, source=())
             )
     return tuple(reserved_values)
 
@@ -306,8 +306,8 @@ def _digit_runs(raw_runs: Sequence[Raw]) -> tuple[Digits, ...]:
     return tuple(reversed(lowest_first))
 
 
-def bit_slices_of(field: Field, length: int, low_byte_first: bool) -> tuple[BitSlice, ...]:
-    """Return the bits of a field in each byte of a frame of ``length`` bytes, beginning with its lowest bits.
+def bit_slices_of(field: Field, byte_count: int, low_byte_first: bool) -> tuple[BitSlice, ...]:
+    """Return the bits of a field in each byte of a frame of ``byte_count`` bytes, beginning with its lowest bits.
 
     In a frame of 3 bytes, 10 bits from bit 4 are 4 bits in the last byte, from its bit 4, and 6 bits in the byte before
     it. With ``low_byte_first``, byte 0 contains the lowest bits of the frame, and otherwise the last byte. A field with
@@ -326,7 +326,7 @@ def bit_slices_of(field: Field, length: int, low_byte_first: bool) -> tuple[BitS
         index_from_lowest, low_bit_in_byte = divmod(field.low.constant + sliced_bits, 8)
         remaining_bits = bits_with_padding - sliced_bits
         bits_in_byte = min(8 - low_bit_in_byte, remaining_bits)
-        byte_index = index_from_lowest if low_byte_first else length - 1 - index_from_lowest
+        byte_index = index_from_lowest if low_byte_first else byte_count - 1 - index_from_lowest
         mask = (1 << bits_in_byte) - 1
         bit_slices.append(BitSlice(byte=byte_index, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=sliced_bits))
         sliced_bits += bits_in_byte
@@ -342,13 +342,16 @@ def resolve_parity_bits(raw_layout: Raw, fields: Sequence[Field], spec_place: Sp
 
     In the spec, a parity bit can also cover a joined number, which consists of several fields, and constants.
     """
-    joins = {name: tuple(members) for name, members in raw_layout.get("join", {}).items()}
-    constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
-    return [_resolve_parity(field, joins, constants, spec_place) for field in fields]
+    fields_by_join = {name: tuple(members) for name, members in raw_layout.get("join", {}).items()}
+    constant_by_name = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
+    return [_resolve_parity(field, fields_by_join, constant_by_name, spec_place) for field in fields]
 
 
 def _resolve_parity(
-    field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], spec_place: SpecPlace
+    field: Field,
+    fields_by_join: Mapping[str, tuple[str, ...]],
+    constant_by_name: Mapping[str, int],
+    spec_place: SpecPlace,
 ) -> Field:
     """Return a parity bit that covers individual fields with data. Any other field is returned unchanged.
 
@@ -361,23 +364,23 @@ def _resolve_parity(
         return field
     covered_names: list[str] = []
     for name in parity.of:
-        if parity.over and name in joins:
+        if parity.over and name in fields_by_join:
             message = f"'over' counts the bits of each field from 0, and '{name}' has several fields; list its fields"
             spec_place.report("parity-of", message, "fields", field.name, "parity_of")
-        covered_names += joins.get(name, (name,))
-    constant_names = [name for name in covered_names if name in constants]
+        covered_names += fields_by_join.get(name, (name,))
+    constant_names = [name for name in covered_names if name in constant_by_name]
     if len(covered_names) == 1:
         constant_names = []
     data_names = [name for name in covered_names if name not in constant_names]
     # The bits of each covered constant that count.
-    counted_bits = [constants[name] & parity.mask for name in constant_names]
+    counted_bits = [constant_by_name[name] & parity.mask for name in constant_names]
     ones_in_constants = sum(bits.bit_count() for bits in counted_bits)
-    inverts_parity = ones_in_constants % 2 == 1
-    is_odd = parity.odd != inverts_parity
+    has_odd_constants = ones_in_constants % 2 == 1
+    is_odd = parity.odd != has_odd_constants
     if not data_names:
         return replace(field, kind=Constant(int(is_odd)))
     resolved_parity = replace(
-        parity, of=tuple(data_names), odd=is_odd, constants=tuple(constant_names), turned=inverts_parity
+        parity, of=tuple(data_names), odd=is_odd, constants=tuple(constant_names), turned=has_odd_constants
     )
     return replace(field, kind=resolved_parity)
 
@@ -398,19 +401,20 @@ def check_byte_orders(layout: Layout, spec_place: SpecPlace) -> None:
 
 def _problem_of_byte_order(layout: Layout, field: Field, spec_place: SpecPlace) -> str:
     """Return why a field cannot have a byte order that differs from that of its layout, with a fix, or ""."""
-    name = f"'{field.name}'"
+    quoted_name = f"'{field.name}'"
     if spec_place.is_in_register:
-        return f"{name} is in a register, whose 'byte_order' applies to all fields; remove 'byte_order' here"
+        return f"{quoted_name} is in a register, whose 'byte_order' applies to all fields; remove 'byte_order' here"
     if INTERFACES[spec_place.interface].carried_as == "bits":
         title = INTERFACES[spec_place.interface].title
-        return f"{name} is sent over {title}, as bits; describe each byte as a field, and 'join' them"
+        return f"{quoted_name} is sent over {title}, as bits; describe each byte as a field, and 'join' them"
     if field.name == layout.selector:
-        return f"{name} distinguishes frames, so its bytes have the order of the layout; remove 'byte_order'"
+        return f"{quoted_name} distinguishes frames, so its bytes have the order of the layout; remove 'byte_order'"
     if not field.is_fixed:
-        return f"the place or width of {name} depends on the order code; remove 'byte_order', or write constant widths"
+        problem = f"the place or width of {quoted_name} depends on the order code"
+        return f"{problem}; remove 'byte_order', or write constant widths"
     if field.container:
-        return f"{name} has 'padded_to'; write its bits with the padding as 'bits', and remove 'padded_to'"
-    width, low = field.width.constant, field.low.constant
-    if width % 8 or low % 8 or width < 16:
-        return f"{name} does not fill two or more whole bytes, so it has no byte order; remove 'byte_order'"
+        return f"{quoted_name} has 'padded_to'; write its bits with the padding as 'bits', and remove 'padded_to'"
+    bit_count, lowest_bit = field.width.constant, field.low.constant
+    if bit_count % 8 or lowest_bit % 8 or bit_count < 16:
+        return f"{quoted_name} does not fill two or more whole bytes, so it has no byte order; remove 'byte_order'"
     return ""

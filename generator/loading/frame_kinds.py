@@ -52,9 +52,9 @@ def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], spec_place:
 
 def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], spec_place: SpecPlace) -> None:
     """Report reserved bits that the spec gives the verdict "usable with a warning"."""
-    for index, field in enumerate(raw_fields):
-        is_reserved = "unused" in field
-        if is_reserved and field.get("makes_position") == Verdict.USABLE_WITH_WARNING.value:
+    for index, raw_field in enumerate(raw_fields):
+        is_reserved = "unused" in raw_field
+        if is_reserved and raw_field.get("makes_position") == Verdict.USABLE_WITH_WARNING.value:
             problem = f"no flag of '{layout.name}' says whether the position is usable, so the verdict stays unknown"
             spec_place.report(
                 "reserved-verdict", f"{problem}; remove 'makes_position'", "fields", index, "makes_position"
@@ -102,10 +102,10 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
     """
     for interface in device.interfaces:
         for layout in interface.layouts:
-            layout_place = f"interfaces.{interface.name}.{layout.name}"
+            layout_path = f"interfaces.{interface.name}.{layout.name}"
             verdicts: list[Verdict] = []
             for field in layout.fields:
-                if _is_affected(field, layout_place, erratum):
+                if _is_affected(field, layout_path, erratum):
                     verdicts += _verdicts_of_field(field)
             if not verdicts:
                 continue
@@ -125,11 +125,11 @@ def _is_affected(field: Field, layout_path: str, erratum: Erratum) -> bool:
 
     ``layout_path`` is the path of the layout that contains the field.
     """
-    places_with_field = [layout_path]
+    paths_with_field = [layout_path]
     if field.group:
-        places_with_field.append(f"field_groups.{field.group}")
-    for place in places_with_field:
-        if place in erratum.affects or f"{place}.{field.name}" in erratum.affects:
+        paths_with_field.append(f"field_groups.{field.group}")
+    for path in paths_with_field:
+        if path in erratum.affects or f"{path}.{field.name}" in erratum.affects:
             return True
     return False
 
@@ -169,7 +169,7 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
     A number must not be at the place of a constant in a different frame or in the request, because it can have the
     value of the constant. Over RS-485, the request determines the layout of the reply.
     """
-    if not valid_parts_so_far(report).has_frames:
+    if not valid_parts_so_far(report).has_valid_layouts:
         return
     for interface in device.interfaces:
         _check_replies(interface, device.position_names(interface.name), report)
@@ -211,14 +211,14 @@ def _check_numbers(device: Device, interface: Interface, report: DocumentReport)
         if not device.sends_position(interface.name, layout):
             continue
         number_names = {field.name for field in layout.fields if isinstance(field.kind, Number)}
-        frames_of_channel = [frame for frame in frames if frame.channel == layout.channel]
-        frames_with_constant = [frame for frame in frames_of_channel if _has_constant(frame, number_names)]
-        clash = next(_ambiguous_numbers(device, interface, layout, frames_with_constant), None)
-        if clash is not None:
-            name, other_name = clash.number.name, clash.other_layout.name
-            message = f"'{name}' can be any number, but it is always {clash.constant:#x} in '{other_name}'"
+        frames_in_channel = [frame for frame in frames if frame.channel == layout.channel]
+        frames_with_constant = [frame for frame in frames_in_channel if _has_constant(frame, number_names)]
+        first_clash = next(_find_ambiguous_numbers(device, interface, layout, frames_with_constant), None)
+        if first_clash is not None:
+            name, other_name = first_clash.number.name, first_clash.other_layout.name
+            message = f"'{name}' can be any number, but it is always {first_clash.constant:#x} in '{other_name}'"
             remedy = f"a frame '{other_name}' would decode as '{layout.name}'; give this field its 'constant'"
-            report.add("frame-kind", _field_path(interface, layout, clash.number), f"{message}, so {remedy}")
+            report.add("frame-kind", _field_path(interface, layout, first_clash.number), f"{message}, so {remedy}")
 
 
 def _field_path(interface: Interface, layout: Layout, field: Field) -> Path:
@@ -278,10 +278,10 @@ def _check_replies(interface: Interface, position_names: frozenset[str], report:
     """
     if not isinstance(interface, (Rs485, Spi)):
         return
-    layouts = {layout.name: layout for layout in interface.layouts}
+    layout_by_name = {layout.name: layout for layout in interface.layouts}
     for reply in interface.layouts:
         request_names = [exchange.request for exchange in interface.exchanges if exchange.reply == reply.name]
-        requests = [layouts[name] for name in request_names if name in layouts]
+        requests = [layout_by_name[name] for name in request_names if name in layout_by_name]
         for field in reply.fields:
             constant = _common_constant(requests, field.name)
             if isinstance(field.kind, Number) and constant is not None and field.name not in position_names:
@@ -323,26 +323,26 @@ class _Clash(NamedTuple):
     constant: int
 
 
-def _ambiguous_numbers(
+def _find_ambiguous_numbers(
     device: Device, interface: Interface, layout: Layout, other_layouts: list[Layout]
 ) -> Iterator[_Clash]:
     """Yield each number of a layout that is a constant in a different frame of the same length."""
     for variant in device.variants_over(interface.name):
-        placed = layout.place(variant.parameters)
+        placed_layout = layout.place(variant.parameters)
         for other_layout in other_layouts:
-            other_placed = other_layout.place(variant.parameters)
-            if placed.bits != other_placed.bits:
+            other_placed_layout = other_layout.place(variant.parameters)
+            if placed_layout.bits != other_placed_layout.bits:
                 continue
-            for placed_field in placed.fields:
-                other_field = other_placed.find_field(placed_field.name)
+            for placed_field in placed_layout.fields:
+                other_field = other_placed_layout.find_field(placed_field.name)
                 if other_field is None:
                     continue
                 has_same_place = (other_field.low, other_field.width) == (placed_field.low, placed_field.width)
                 if not has_same_place:
                     continue
-                number, other_kind = placed_field.field, other_field.field.kind
-                if isinstance(number.kind, Number) and isinstance(other_kind, Constant):
-                    yield _Clash(number, other_layout, other_kind.value)
+                number_field, other_kind = placed_field.field, other_field.field.kind
+                if isinstance(number_field.kind, Number) and isinstance(other_kind, Constant):
+                    yield _Clash(number_field, other_layout, other_kind.value)
 
 
 def check_selector_places(device: Device, report: DocumentReport) -> None:
@@ -351,27 +351,29 @@ def check_selector_places(device: Device, report: DocumentReport) -> None:
     The key ``when`` of a layout names the field that distinguishes it, the selector.
     """
     for interface in device.interfaces:
-        first_by_sender: dict[str, tuple[str, object]] = {}
+        first_layout_and_bits_by_sender: dict[str, tuple[str, object]] = {}
         for layout in interface.layouts:
             if not layout.selector:
                 continue
-            path: Path = ("interfaces", interface.name, "layouts", layout.name, "when")
-            field = next((candidate for candidate in layout.fields if candidate.name == layout.selector), None)
-            if field is None:
+            key_path: Path = ("interfaces", interface.name, "layouts", layout.name, "when")
+            selector = next((field for field in layout.fields if field.name == layout.selector), None)
+            if selector is None:
                 continue  # Reported by the rule on references.
-            has_fixed_place = bool(field.bit_slices)
+            has_fixed_place = bool(selector.bit_slices)
             if not has_fixed_place:
                 report.add(
                     "selector-place",
-                    path,
+                    key_path,
                     f"the position of '{layout.selector}' depends on the order code; bits that identify a frame must"
                     " have a fixed position",
                 )
                 continue
-            first_name, first_bits = first_by_sender.setdefault(layout.sender, (layout.name, field.bit_slices))
-            if first_bits != field.bit_slices:
+            first_name, first_bits = first_layout_and_bits_by_sender.setdefault(
+                layout.sender, (layout.name, selector.bit_slices)
+            )
+            if first_bits != selector.bit_slices:
                 message = (
                     f"'{layout.selector}' is not at the same position as in '{first_name}'; the same bits must"
                     " distinguish all frames of a sender"
                 )
-                report.add("selector-place", path, message)
+                report.add("selector-place", key_path, message)

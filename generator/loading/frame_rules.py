@@ -54,15 +54,15 @@ def check_settings_of_crcs(device: Device, report: DocumentReport) -> None:
 
     A CRC has either its full width or no bits, so a register that decides this must hold a code.
     """
-    names_without_codes = {parameter.name for parameter in device.run_time_parameters if not parameter.by_code}
+    parameters_without_codes = {parameter.name for parameter in device.run_time_parameters if not parameter.by_code}
     for interface, layout in device.layouts():
         for field in layout.crc_fields:
-            parameters_without_codes = names_without_codes & device.needed_parameters(field.width.parameters)
-            if parameters_without_codes:
-                problem = f"the CRC '{field.name}' depends on the register value '{min(parameters_without_codes)}'"
+            deciding_parameters = parameters_without_codes & device.needed_parameters(field.width.parameters)
+            if deciding_parameters:
+                problem = f"the CRC '{field.name}' depends on the register value '{min(deciding_parameters)}'"
                 remedy = f"list its widths, 0 and {field.widest}, in 'by_code' of this parameter"
-                path = ("interfaces", interface.name, "layouts", layout.name, "fields", field.name)
-                report.add("width-mismatch", path, f"{problem}; {remedy}")
+                field_path = ("interfaces", interface.name, "layouts", layout.name, "fields", field.name)
+                report.add("width-mismatch", field_path, f"{problem}; {remedy}")
 
 
 def check_crc(layout: Layout, field: Field, crc_value: CrcValue, spec_place: SpecPlace) -> None:
@@ -72,7 +72,7 @@ def check_crc(layout: Layout, field: Field, crc_value: CrcValue, spec_place: Spe
     begin with padding zeros. If the CRC or the bits before it are not whole bytes, these zeros must not change the CRC,
     and its bits must be in transmission order.
     """
-    crc = spec_place.context.crcs.get(crc_value.crc)
+    crc = spec_place.context.crc_by_name.get(crc_value.crc)
     if crc is None:
         return
     _check_width(field, crc, spec_place)
@@ -88,11 +88,13 @@ def check_crc(layout: Layout, field: Field, crc_value: CrcValue, spec_place: Spe
     )
     if problem:
         spec_place.report("crc-of", problem, "crc_of")
-    is_sent_as_bits = INTERFACES[spec_place.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
-    has_zeros_before = layout.bits != layout.sent_bits
-    if layout.in_bytes and crc.width % 8 and not is_sent_as_bits:
+    is_bit_frame_high_byte_first = (
+        INTERFACES[spec_place.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
+    )
+    begins_with_zeros = layout.bits != layout.sent_bits
+    if layout.in_bytes and crc.width % 8 and not is_bit_frame_high_byte_first:
         spec_place.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
-    elif layout.in_bytes and (not layout.crc_covers_bytes or has_zeros_before) and not _is_plain(crc):
+    elif layout.in_bytes and (not layout.crc_covers_bytes or begins_with_zeros) and not _is_unchanged_by_zeros(crc):
         problem = f"'{field.name}' or the bits before it are not whole bytes, so the CRC must start at 0"
         spec_place.report("width-mismatch", f"{problem}, without 'refin' and 'refout'")
 
@@ -112,9 +114,9 @@ def _check_width(field: Field, crc: Crc, spec_place: SpecPlace) -> None:
         spec_place.report("width-mismatch", f"{message}, but 'bits' is {field.width.render()}; remove 'bits'")
         return
     for parameters in spec_place.parameter_sets:
-        width = field.width.value(parameters)
-        if width not in (0, crc.width):
-            message = f"'{field.name}' has {width} bits{condition_text(parameters, field.width)}"
+        bit_count = field.width.value(parameters)
+        if bit_count not in (0, crc.width):
+            message = f"'{field.name}' has {bit_count} bits{condition_text(parameters, field.width)}"
             remedy = f"use a parameter that is 0 or {crc.width}"
             spec_place.report(
                 "width-mismatch", f"{message}, but the CRC '{crc.name}' has {crc.width} or none; {remedy}"
@@ -126,7 +128,7 @@ def _check_width(field: Field, crc: Crc, spec_place: SpecPlace) -> None:
         spec_place.report("width-mismatch", f"{message}; {remedy}")
 
 
-def _is_plain(crc: Crc) -> bool:
+def _is_unchanged_by_zeros(crc: Crc) -> bool:
     """Return whether zeros before a frame do not change its CRC, and the bits of the CRC are in transmission order."""
     return not crc.init and not crc.refin and not crc.refout
 
@@ -142,11 +144,11 @@ def _problem_of_fields_left_out(layout: Layout, crc: Field, crc_value: CrcValue)
     words_in_notes = re.findall(r"\w+", f"{layout.note} {crc.note}")
     mentioned_names = {crc.name, *crc_value.of, *words_in_notes}
     data_names = [field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused))]
-    names_left_out = join_words(name for name in data_names if name not in mentioned_names)
-    if not names_left_out:
+    left_out_text = join_words(name for name in data_names if name not in mentioned_names)
+    if not left_out_text:
         return ""
-    remedy = f"add the missing fields to 'crc_of', or add a 'note' that the manual excludes {names_left_out}"
-    return f"'{crc.name}' does not cover {names_left_out}; {remedy}"
+    remedy = f"add the missing fields to 'crc_of', or add a 'note' that the manual excludes {left_out_text}"
+    return f"'{crc.name}' does not cover {left_out_text}; {remedy}"
 
 
 def _problem_of_covered_fields(layout: Layout, crc_value: CrcValue, spec_place: SpecPlace) -> str:
@@ -159,14 +161,15 @@ def _problem_of_covered_fields(layout: Layout, crc_value: CrcValue, spec_place: 
         is_always_bytes = interface.carried_as == "bytes"
         interface_text = f"over {interface.title}" if is_always_bytes else "with 'carried_as: bytes'"
         return f"{interface_text}, a CRC covers everything before it; remove 'crc_of'"
-    fields_by_name = {field.name: field for field in layout.fields}
-    covered_fields = [fields_by_name[name] for name in crc_value.of if name in fields_by_name]
+    field_by_name = {field.name: field for field in layout.fields}
+    covered_fields = [field_by_name[name] for name in crc_value.of if name in field_by_name]
     for field in covered_fields:
         if not field.is_fixed:
             return f"'{field.name}' differs in place or width between order codes, so 'crc_of' cannot list it"
-    for above, below in pairwise(covered_fields):
-        if below.low + below.width != above.low:
-            return f"'{above.name}' and '{below.name}' are not adjacent; list adjacent fields, in the order sent"
+    for upper_field, lower_field in pairwise(covered_fields):
+        if lower_field.low + lower_field.width != upper_field.low:
+            names = f"'{upper_field.name}' and '{lower_field.name}'"
+            return f"{names} are not adjacent; list adjacent fields, in the order sent"
     return ""
 
 
@@ -187,31 +190,31 @@ def check_channels(device: Device, report: DocumentReport) -> None:
     positions.
     """
     biss = device.find_interface(Biss)
-    if biss is None or biss.channels is None or not valid_parts_so_far(report).has_frames:
+    if biss is None or biss.channels is None or not valid_parts_so_far(report).has_valid_layouts:
         return
-    place: Path = ("interfaces", biss.name, "channels")
-    if (*place, "compared_bits") in report.faults():
+    channels_path: Path = ("interfaces", biss.name, "channels")
+    if (*channels_path, "compared_bits") in report.faults():
         return  # The number of compared bits is not a valid expression, which is already reported.
-    layouts = {layout.name: layout for layout in biss.layouts}
-    names = (*biss.channels.order, *biss.channels.compared)
-    undefined_names = [name for name in names if name not in layouts]
+    layout_by_name = {layout.name: layout for layout in biss.layouts}
+    listed_names = (*biss.channels.order, *biss.channels.compared)
+    undefined_names = [name for name in listed_names if name not in layout_by_name]
     if undefined_names:
         # A layout with a problem was not built, so it would wrongly count as undefined.
         if not report.faults():
-            known_names = join_words(map(quoted, layouts))
+            known_names = join_words(map(quoted, layout_by_name))
             message = f"there is no layout {quoted(undefined_names[0])} over BiSS; it has: {known_names}"
-            report.add("undefined-reference", (*place, "order"), message)
+            report.add("undefined-reference", (*channels_path, "order"), message)
         return
-    ordered_layouts = [layouts[name] for name in biss.channels.order]
+    ordered_layouts = [layout_by_name[name] for name in biss.channels.order]
     problems: tuple[_Problem, ...] = (
         *_order_problems(biss, ordered_layouts),
         *_question_problems(device, ordered_layouts),
         *_position_problems(device, ordered_layouts),
-        *_comparison_problems(device, biss.channels, layouts),
+        *_comparison_problems(device, biss.channels, layout_by_name),
     )
     if problems:
         first_problem = problems[0]
-        report.add(_CHANNELS_RULE, (*place, *first_problem.path), first_problem.message)
+        report.add(_CHANNELS_RULE, (*channels_path, *first_problem.path), first_problem.message)
 
 
 def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]:
@@ -226,34 +229,40 @@ def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]
         )
     first_layout = biss.layouts[0]
     if layouts[0] is not first_layout:
-        name = quoted(layouts[0].name)
-        first_name = quoted(first_layout.name)
-        message = f"{name} is the first channel of the frame, but the first layout is {first_name}"
+        layout_text = quoted(layouts[0].name)
+        first_layout_text = quoted(first_layout.name)
+        message = f"{layout_text} is the first channel of the frame, but the first layout is {first_layout_text}"
         yield _Problem(("order", 0), f"{message}; correct one of them")
-    names_by_number: dict[int | None, str] = {}
-    for index, layout in enumerate(layouts):
-        path: Path = ("order", index)
-        name = quoted(layout.name)
-        other_name = names_by_number.setdefault(layout.channel, layout.name)
-        is_listed_before = layout in layouts[:index]
+    name_by_channel_number: dict[int | None, str] = {}
+    for channel_index, layout in enumerate(layouts):
+        channel_path: Path = ("order", channel_index)
+        layout_text = quoted(layout.name)
+        other_name = name_by_channel_number.setdefault(layout.channel, layout.name)
+        is_listed_before = layout in layouts[:channel_index]
         if is_listed_before:
-            yield _Problem(path, f"{name} is listed twice; list each channel once")
+            yield _Problem(channel_path, f"{layout_text} is listed twice; list each channel once")
         elif layout.channel is None:
-            yield _Problem(path, f"{name} has no 'channel'; give each channel of the frame its number")
+            yield _Problem(channel_path, f"{layout_text} has no 'channel'; give each channel of the frame its number")
         elif other_name != layout.name:
             yield _Problem(
-                path, f"{quoted(other_name)} and {name} have the same 'channel' {layout.channel}; correct one of them"
+                channel_path,
+                f"{quoted(other_name)} and {layout_text} have the same 'channel' {layout.channel}; correct one of them",
             )
         elif layout.in_bytes:
-            yield _Problem(path, f"{name} is carried as bytes, but a channel of a frame is one word of at most 64 bits")
+            yield _Problem(
+                channel_path,
+                f"{layout_text} is carried as bytes, but a channel of a frame is one word of at most 64 bits",
+            )
 
 
 def _question_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_Problem]:
     """Yield a problem for each channel whose bits depend on a question that the manual leaves open."""
     for index, layout in enumerate(layouts):
         for alternative in device.alternatives_of(layout):
-            name = quoted(layout.name)
-            message = f"{name} depends on the question {quoted(alternative.name)}, which decoders of a whole frame"
+            layout_text = quoted(layout.name)
+            message = (
+                f"{layout_text} depends on the question {quoted(alternative.name)}, which decoders of a whole frame"
+            )
             yield _Problem(
                 ("order", index), f"{message} do not ask; remove 'channels', and decode each channel separately"
             )
@@ -261,39 +270,41 @@ def _question_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_P
 
 def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_Problem]:
     """Yield a problem if none or several of the data channels contain the position."""
-    names = [quoted(layout.name) for layout in layouts if device.sends_position(Biss.name, layout)]
-    if not names:
+    layouts_with_position = [quoted(layout.name) for layout in layouts if device.sends_position(Biss.name, layout)]
+    if not layouts_with_position:
         yield _Problem(("order",), "no channel of the frame contains the position; list the one that does")
-    if len(names) > 1:
-        message = f"{join_words(names)} contain the position; name its fields differently in all but one of them"
-        yield _Problem(("order",), f"{message}, and list the fields in 'compared'")
+    if len(layouts_with_position) > 1:
+        remedy = "name its fields differently in all but one of them, and list the fields in 'compared'"
+        yield _Problem(("order",), f"{join_words(layouts_with_position)} contain the position; {remedy}")
 
 
-def _comparison_problems(device: Device, channels: DataChannels, layouts: Mapping[str, Layout]) -> Iterator[_Problem]:
+def _comparison_problems(
+    device: Device, channels: DataChannels, layout_by_name: Mapping[str, Layout]
+) -> Iterator[_Problem]:
     """Yield problems with the comparison of fields from different data channels.
 
     The highest bits of an unsigned number in each channel are compared. There cannot be more of these bits than the
     number has.
     """
-    has_fields = bool(channels.compared)
-    has_bits = channels.compared_bits is not None
-    if has_fields != has_bits:
+    lists_fields = bool(channels.compared)
+    states_bit_count = channels.compared_bits is not None
+    if lists_fields != states_bit_count:
         yield _Problem((), "'compared' and 'compared_bits' need each other; give both or none")
     if len(channels.compared) == 1:
         yield _Problem(("compared",), "one field cannot be compared; list the field of each channel")
     for layout_name, field_name in channels.compared.items():
-        path: Path = ("compared", layout_name)
-        field = layouts[layout_name].find_field(field_name)
+        field_path: Path = ("compared", layout_name)
+        field = layout_by_name[layout_name].find_field(field_name)
         if layout_name not in channels.order:
-            yield _Problem(path, f"{quoted(layout_name)} is not in 'order'; add it, or leave it out here")
+            yield _Problem(field_path, f"{quoted(layout_name)} is not in 'order'; add it, or leave it out here")
         elif field is None:
-            yield _Problem(path, f"{quoted(layout_name)} has no field {quoted(field_name)}")
+            yield _Problem(field_path, f"{quoted(layout_name)} has no field {quoted(field_name)}")
         elif not _is_plain_number(field):
             yield _Problem(
-                path, f"{quoted(field_name)} is not an unsigned number, so its highest bits cannot be compared"
+                field_path, f"{quoted(field_name)} is not an unsigned number, so its highest bits cannot be compared"
             )
         else:
-            yield from _width_problems(device, channels, layouts[layout_name], field_name)
+            yield from _width_problems(device, channels, layout_by_name[layout_name], field_name)
 
 
 def _is_plain_number(field: Field) -> bool:
@@ -311,68 +322,70 @@ def _width_problems(device: Device, channels: DataChannels, layout: Layout, fiel
         return
     width = member_named(layout.fields, field_name, "field").width
     for variant in device.variants_over(Biss.name):
-        bits = channels.compared_bits.value(variant.parameters)
+        compared_bit_count = channels.compared_bits.value(variant.parameters)
         condition = condition_text(variant.parameters, width, channels.compared_bits)
-        field_bits = width.value(variant.parameters)
-        if not 1 <= bits <= field_bits:
-            message = f"{bits} bits cannot be compared, because {quoted(field_name)} has {field_bits}{condition}"
-            yield _Problem(("compared_bits",), message)
+        field_bit_count = width.value(variant.parameters)
+        if not 1 <= compared_bit_count <= field_bit_count:
+            reason = f"{quoted(field_name)} has {field_bit_count}{condition}"
+            yield _Problem(("compared_bits",), f"{compared_bit_count} bits cannot be compared, because {reason}")
             return
         # Numbers wrap around, so two numbers differ by at most half of their range.
-        all_numbers_agree = 2 * channels.tolerance >= (1 << bits) - 1
+        all_numbers_agree = 2 * channels.tolerance >= (1 << compared_bit_count) - 1
         if all_numbers_agree:
-            message = f"with a tolerance of {channels.tolerance}, any two numbers of {bits} bits agree{condition}"
-            yield _Problem(("tolerance",), message)
+            problem = f"any two numbers of {compared_bit_count} bits agree{condition}"
+            yield _Problem(("tolerance",), f"with a tolerance of {channels.tolerance}, {problem}")
             return
 
 
 def check_control_bytes(device: Device, report: DocumentReport) -> None:
     """Check that the control byte that the manual gives for each data ID matches the fields of its request."""
-    interface = device.find_interface(Rs485)
-    if interface is None or not valid_parts_so_far(report).has_frames:
+    rs485 = device.find_interface(Rs485)
+    if rs485 is None or not valid_parts_so_far(report).has_valid_layouts:
         return
-    variants = device.variants_over(interface.name)
+    variants = device.variants_over(rs485.name)
     if not variants:
         return
-    for data_id in interface.data_ids:
-        path: Path = ("interfaces", interface.name, "data_ids", data_id.name)
-        layouts = [layout for layout in interface.layouts if data_id.id in layout.selects]
+    for data_id in rs485.data_ids:
+        data_id_path: Path = ("interfaces", rs485.name, "data_ids", data_id.name)
+        layouts = [layout for layout in rs485.layouts if data_id.id in layout.selects]
         if not layouts:
             problem = f"no layout has data ID {data_id.id:X} in its 'when'; add it to one"
-            report.add("undefined-reference", path, problem)
+            report.add("undefined-reference", data_id_path, problem)
             continue
         control_byte = _control_byte(device, layouts[0], data_id, variants[0])
         if control_byte is not None and control_byte != data_id.control:
             problem = f"according to its fields, the control field of data ID {data_id.id:X} is {control_byte:#04x}"
             message = f"{problem}, but it is {data_id.control:#04x} in the manual"
-            report.add("control-mismatch", (*path, "control"), message)
+            report.add("control-mismatch", (*data_id_path, "control"), message)
 
 
 def _control_byte(device: Device, layout: Layout, data_id: DataId, variant: Variant) -> int | None:
     """Return the first byte of a frame with a data ID and zeros, or None if such a frame cannot be encoded."""
     placed_layout = layout.place(variant.parameters)
     # All fields are 0, except the selector, which identifies the layout.
-    values = {field.name: 0 for field in layout.data_fields} | {layout.selector: data_id.id}
+    value_by_field = {field.name: 0 for field in layout.data_fields} | {layout.selector: data_id.id}
     try:
-        frame = encode(device, placed_layout, values)
+        frame_number = encode(device, placed_layout, value_by_field)
     except EncodeError:
         return None  # Other rules report the reason.
-    return number_to_bytes(layout, frame, placed_layout.bits)[0]
+    return number_to_bytes(layout, frame_number, placed_layout.bits)[0]
 
 
 def check_requests(device: Device, report: DocumentReport) -> None:
     """Check that an RS-485 encoder can distinguish its requests: any two must differ in a constant."""
-    interface = device.find_interface(Rs485)
-    if interface is None or not interface.exchanges or not valid_parts_so_far(report).has_frames:
+    rs485 = device.find_interface(Rs485)
+    if rs485 is None or not rs485.exchanges or not valid_parts_so_far(report).has_valid_layouts:
         return
-    layouts = {layout.name: layout for layout in interface.layouts}
-    requests = [layouts[exchange.request] for exchange in interface.exchanges if exchange.request in layouts]
+    layout_by_name = {layout.name: layout for layout in rs485.layouts}
+    requests = [layout_by_name[exchange.request] for exchange in rs485.exchanges if exchange.request in layout_by_name]
     for index, request in enumerate(requests):
-        ambiguous_requests = [earlier for earlier in requests[:index] if not _constants_differ(earlier, request)]
+        ambiguous_requests = [
+            earlier_request for earlier_request in requests[:index] if not _constants_differ(earlier_request, request)
+        ]
         if ambiguous_requests:
-            pair = f"'{request.name}' from '{ambiguous_requests[0].name}'"
-            problem = f"no constant distinguishes {pair}; add the command as a 'constant' to both"
-            report.add("rs485-exchange", ("interfaces", interface.name, "layouts", request.name), problem)
+            names_of_both = f"'{request.name}' from '{ambiguous_requests[0].name}'"
+            problem = f"no constant distinguishes {names_of_both}; add the command as a 'constant' to both"
+            report.add("rs485-exchange", ("interfaces", rs485.name, "layouts", request.name), problem)
 
 
 def _constants_differ(layout: Layout, other_layout: Layout) -> bool:
@@ -389,8 +402,8 @@ def _constant_bits(layout: Layout) -> dict[tuple[int, int], int]:
         if not isinstance(field.kind, Constant):
             continue
         for bit_slice in field.bit_slices:
-            value_in_byte = field.kind.value >> bit_slice.low_in_number
-            width_in_byte = bit_slice.mask.bit_length()
-            for bit in range(width_in_byte):
-                constant_bits[bit_slice.byte, bit_slice.low_in_byte + bit] = (value_in_byte >> bit) & 1
+            bits_in_byte = field.kind.value >> bit_slice.low_in_number
+            bit_count_in_byte = bit_slice.mask.bit_length()
+            for bit_index in range(bit_count_in_byte):
+                constant_bits[bit_slice.byte, bit_slice.low_in_byte + bit_index] = (bits_in_byte >> bit_index) & 1
     return constant_bits

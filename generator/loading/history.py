@@ -48,21 +48,21 @@ def build_editions(raw_spec: Raw) -> tuple[ManualEdition, ...]:
 
     These are all revisions in the manual's history, the revision that the spec transcribes, and later revisions.
     """
-    editions_by_revision = {edition["revision"]: edition for edition in raw_spec.get("editions", ())}
-    if not editions_by_revision:
+    raw_edition_by_revision = {raw_edition["revision"]: raw_edition for raw_edition in raw_spec.get("editions", ())}
+    if not raw_edition_by_revision:
         return ()
     manual = raw_spec["manual"]
     # The order is: the history, the transcribed revision, later revisions.
-    dates_by_revision = {release["revision"]: release.get("date", "") for release in manual.get("history", ())}
-    own_revision = manual["revision"]
-    date_in_history = dates_by_revision.get(own_revision, "")
-    dates_by_revision[own_revision] = manual.get("date", date_in_history)
-    for revision, edition in editions_by_revision.items():
-        dates_by_revision.setdefault(revision, edition.get("date", ""))
+    date_by_revision = {release["revision"]: release.get("date", "") for release in manual.get("history", ())}
+    transcribed_revision = manual["revision"]
+    date_in_history = date_by_revision.get(transcribed_revision, "")
+    date_by_revision[transcribed_revision] = manual.get("date", date_in_history)
+    for revision, raw_edition in raw_edition_by_revision.items():
+        date_by_revision.setdefault(revision, raw_edition.get("date", ""))
     editions: list[ManualEdition] = []
-    for revision, date in dates_by_revision.items():
-        definition = editions_by_revision.get(revision, {})  # Empty for an edition without changes.
-        editions.append(build_part(ManualEdition, definition, revision=revision, date=date))
+    for revision, date in date_by_revision.items():
+        edition_or_empty = raw_edition_by_revision.get(revision, {})  # Empty for an edition without changes.
+        editions.append(build_part(ManualEdition, edition_or_empty, revision=revision, date=date))
     return tuple(editions)
 
 
@@ -83,12 +83,12 @@ def revision_for(device: Device, revision_or_date: str) -> str:
         )
         raise UnknownEdition(f"{message}, or a date such as 2020-03-31" if dated_editions else message)
     # Dates such as 2020-03-31 can be compared as texts. The editions are oldest first, so the last one was the latest.
-    editions_so_far = [edition for edition in dated_editions if edition.date <= revision_or_date]
-    if not editions_so_far:
+    editions_until_date = [edition for edition in dated_editions if edition.date <= revision_or_date]
+    if not editions_until_date:
         first_edition = dated_editions[0]
         problem = f"the first edition, {first_edition.revision}, is dated {first_edition.date}"
         raise UnknownEdition(f"{problem}, which is after {revision_or_date}")
-    return editions_so_far[-1].revision
+    return editions_until_date[-1].revision
 
 
 def _name_of_edition(family: Family, revision: str) -> str:
@@ -116,10 +116,10 @@ def family_in_edition(family: Family, revision: str, build: Build, report: Probl
     report.include(report_of_changes)
     document = layered_spec.document(_name_of_edition(family, revision))
     document = replace(document, data={key: value for key, value in document.data.items() if key != "editions"})
-    inner_report = ProblemReport()
-    device = build(document, inner_report)
+    report_of_edition = ProblemReport()
+    device = build(document, report_of_edition)
     if not report_of_changes:
-        _report_in_edition(inner_report, revision, report)
+        _report_in_edition(report_of_edition, revision, report)
     if device is None:
         return None
     # This keeps all order codes, but removes values and examples that none of them uses in this edition.
@@ -155,37 +155,41 @@ def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str
     """
     oldest_first = [edition.revision for edition in family.device.editions]
     transcribed_position = oldest_first.index(family.device.manual.revision)
-    wanted_position = oldest_first.index(revision)
-    if wanted_position < transcribed_position:
+    target_position = oldest_first.index(revision)
+    if target_position < transcribed_position:
         # Each step back undoes the changes of one revision, newest first: from 1.4 to 1.2, undo 1.4, then 1.3.
         key = "before"
-        passed_revisions = list(reversed(oldest_first[wanted_position + 1 : transcribed_position + 1]))
+        passed_revisions = list(reversed(oldest_first[target_position + 1 : transcribed_position + 1]))
     else:
         key = "then"
-        passed_revisions = oldest_first[transcribed_position + 1 : wanted_position + 1]
+        passed_revisions = oldest_first[transcribed_position + 1 : target_position + 1]
     # The spec lists only editions with changes, in any order.
     raw_editions = family.document.data.get("editions", ())
-    indices_in_spec = {edition["revision"]: index for index, edition in enumerate(raw_editions)}
+    index_in_spec_by_revision = {edition["revision"]: index for index, edition in enumerate(raw_editions)}
     for passed_revision in passed_revisions:
-        if passed_revision not in indices_in_spec:
+        if passed_revision not in index_in_spec_by_revision:
             continue
-        index = indices_in_spec[passed_revision]
+        index = index_in_spec_by_revision[passed_revision]
         if key in raw_editions[index]:
-            name = f"before {passed_revision}" if key == "before" else passed_revision
-            yield index, key, name
+            name_in_outputs = f"before {passed_revision}" if key == "before" else passed_revision
+            yield index, key, name_in_outputs
 
 
 def errata_of_other_editions(raw_spec: Raw) -> Iterator[Erratum]:
     """Yield the changes of all other editions of the manual as errata, so that users of these editions see them."""
     for edition in raw_spec.get("editions", ()):
         revision = edition["revision"]
-        for key, name in (("before", f"before {revision}"), ("then", revision)):
-            for number, change in enumerate(edition.get(key, ()), 1):
-                kinds = [kind for kind in CHANGE_KINDS if kind in change]
+        for list_key, edition_name in (("before", f"before {revision}"), ("then", revision)):
+            for change_number, change in enumerate(edition.get(list_key, ()), 1):
+                kinds_of_change = [kind for kind in CHANGE_KINDS if kind in change]
                 # A change without exactly one kind is reported when it is applied.
-                if len(kinds) == 1:
+                if len(kinds_of_change) == 1:
                     yield _edition_erratum(
-                        raw_spec, change, revision=name, change_number=number, kind_of_change=kinds[0]
+                        raw_spec,
+                        change,
+                        revision=edition_name,
+                        change_number=change_number,
+                        kind_of_change=kinds_of_change[0],
                     )
 
 
@@ -199,30 +203,30 @@ def _edition_erratum(raw_spec: Raw, change: Raw, *, revision: str, change_number
         change_number: The place of the change in its list, from 1.
         kind_of_change: The kind of the change, such as ``set``.
     """
-    text_or_texts = change[kind_of_change]
-    affected_texts = text_or_texts if isinstance(text_or_texts, list) else [text_or_texts]
+    path_or_paths = change[kind_of_change]
+    changed_paths = path_or_paths if isinstance(path_or_paths, list) else [path_or_paths]
     affected_paths: list[str] = []
-    # The text of 'also' is a sentence. The texts of all other kinds are paths.
+    # For the kind 'also', it is a sentence instead of a path.
     if kind_of_change != "also":
-        affected_paths = [_affected_path(raw_spec, path_text) for path_text in affected_texts]
+        affected_paths = [_affected_path(raw_spec, changed_path) for changed_path in changed_paths]
     if kind_of_change == "remove":
-        used = LEFT_OUT
+        used_text = LEFT_OUT
     elif kind_of_change in ("unknown", "also"):
-        used = NOT_KNOWN
+        used_text = NOT_KNOWN
     else:
-        used = _value_in_words(change.get("to", change.get("value")))
+        used_text = _value_in_words(change.get("to", change.get("value")))
     stated_facts = {key: change[key] for key in ("why", "source", "severity") if key in change}
     # For example before_1_4.
     name_of_edition = re.sub("[^a-z0-9]+", "_", revision.lower())
-    short_texts = [path_text.removeprefix("registers.") for path_text in affected_texts]
+    short_texts = [changed_path.removeprefix("registers.") for changed_path in changed_paths]
     return build_part(
         Erratum,
         {"severity": "wrong_data", **stated_facts},
         name=f"edition_{name_of_edition}_{change_number}",
-        title=change_title(layer_in_words("", revision), without_examples(affected_texts)),
+        title=change_title(layer_in_words("", revision), without_examples(changed_paths)),
         printed=join_shortened(without_examples(short_texts)),
-        used=used,
-        status="open" if used == NOT_KNOWN else "settled",
+        used=used_text,
+        status="open" if used_text == NOT_KNOWN else "settled",
         affects=tuple(dict.fromkeys(path for path in affected_paths if path)),
         edition=revision,
     )
@@ -247,10 +251,10 @@ def _affected_path(raw_spec: Raw, path_in_change: str) -> str:
     If the change adds a part, this is the path of the existing part that it is added to.
     """
     try:
-        path = resolve(raw_spec, path_in_change)
+        spec_path = resolve(raw_spec, path_in_change)
     except MissingPath as missing_path:  # The added part does not exist yet.
-        path = missing_path.existing_path
-    return as_affected(raw_spec, path)
+        spec_path = missing_path.existing_path
+    return as_affected(raw_spec, spec_path)
 
 
 def check_editions(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
@@ -258,26 +262,26 @@ def check_editions(raw_spec: Raw, device: Device, report: DocumentReport) -> Non
     edition_count = len(device.editions)
     value_count = len(leaves(raw_spec))
     if edition_count * value_count > MOST_VALUES:
-        work = f"each of {edition_count} editions is checked against {value_count} values"
-        message = f"{work}; the product must be at most {MOST_VALUES}"
+        comparison_text = f"each of {edition_count} editions is checked against {value_count} values"
+        message = f"{comparison_text}; the product must be at most {MOST_VALUES}"
         report.add("too-large", ("editions",), f"{message}; leave out early editions", at_key=True)
-    known_labels = {spelling.pattern for spelling in device.order_code.also_written}
-    for index, edition in enumerate(raw_spec.get("editions", ())):
-        path: Path = ("editions", index)
+    known_patterns = {spelling.pattern for spelling in device.order_code.also_written}
+    for index, raw_edition in enumerate(raw_spec.get("editions", ())):
+        edition_path: Path = ("editions", index)
         earlier_revisions = [earlier_edition["revision"] for earlier_edition in raw_spec["editions"][:index]]
-        if edition["revision"] in earlier_revisions:
-            message = f"the edition {quoted(edition['revision'])} already exists"
-            report.add("duplicate-name", (*path, "revision"), message)
-        _check_order(raw_spec, edition, path, report)
-        for label_index, label in enumerate(edition.get("labels", ())):
-            if label not in known_labels:
-                message = f"there is no spelling {quoted(label)} in 'also_written' of the order code"
-                report.add("undefined-reference", (*path, "labels", label_index), message)
-        for test_index, test in enumerate(edition.get("tests", ())):
-            _check_test(test, (*path, "tests", test_index), device, report)
+        if raw_edition["revision"] in earlier_revisions:
+            message = f"the edition {quoted(raw_edition['revision'])} already exists"
+            report.add("duplicate-name", (*edition_path, "revision"), message)
+        _check_order(raw_spec, raw_edition, edition_path, report)
+        for pattern_index, pattern in enumerate(raw_edition.get("labels", ())):
+            if pattern not in known_patterns:
+                message = f"there is no spelling {quoted(pattern)} in 'also_written' of the order code"
+                report.add("undefined-reference", (*edition_path, "labels", pattern_index), message)
+        for test_index, raw_test in enumerate(raw_edition.get("tests", ())):
+            _check_test(raw_test, (*edition_path, "tests", test_index), device, report)
 
 
-def _check_order(raw_spec: Raw, edition: Raw, path: Path, report: DocumentReport) -> None:
+def _check_order(raw_spec: Raw, raw_edition: Raw, edition_path: Path, report: DocumentReport) -> None:
     """Check that an edition has the key 'before' or 'then' according to its place in the manual's history.
 
     ``before`` is for revisions after the first, up to the revision that the spec transcribes. ``then`` is for later
@@ -288,24 +292,24 @@ def _check_order(raw_spec: Raw, edition: Raw, path: Path, report: DocumentReport
     # The history is oldest first. The first revision has no predecessor, so it cannot have 'before'.
     if transcribed_revision in history:
         earlier_revisions = history[: history.index(transcribed_revision) + 1]
-        can_have_before = edition["revision"] in earlier_revisions[1:]
+        can_have_before = raw_edition["revision"] in earlier_revisions[1:]
     else:
         # Another rule reports that the transcribed revision is not in the history.
         earlier_revisions = [transcribed_revision]
-        can_have_before = edition["revision"] in history[1:]
-    name = edition["revision"]
-    if "before" in edition and not can_have_before:
+        can_have_before = raw_edition["revision"] in history[1:]
+    revision = raw_edition["revision"]
+    if "before" in raw_edition and not can_have_before:
         message = (
-            f"{quoted(name)} can have 'before' only if it is in the history, after the first and not after"
+            f"{quoted(revision)} can have 'before' only if it is in the history, after the first and not after"
             f" {transcribed_revision}"
         )
-        report.add("edition-order", (*path, "before"), message, at_key=True)
-    is_earlier = name in earlier_revisions or _has_lower_number(name, transcribed_revision)
-    if "then" in edition and is_earlier:
+        report.add("edition-order", (*edition_path, "before"), message, at_key=True)
+    is_earlier = revision in earlier_revisions or _has_lower_number(revision, transcribed_revision)
+    if "then" in raw_edition and is_earlier:
         message = (
-            f"{quoted(name)} is not after {transcribed_revision}, which this file transcribes; use 'before' for it"
+            f"{quoted(revision)} is not after {transcribed_revision}, which this file transcribes; use 'before' for it"
         )
-        report.add("edition-order", (*path, "then"), message, at_key=True)
+        report.add("edition-order", (*edition_path, "then"), message, at_key=True)
 
 
 def _has_lower_number(revision: str, other_revision: str) -> bool:
@@ -316,19 +320,25 @@ def _has_lower_number(revision: str, other_revision: str) -> bool:
     return [*map(int, revision.split("."))] < [*map(int, other_revision.split("."))]
 
 
-def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -> None:
+def _check_test(raw_test: Raw, test_path: Path, device: Device, report: DocumentReport) -> None:
     """Check a test that shows by a register which edition applies: its register, its number and its limits.
 
     The number is a field of the register, or a run of decimal digits in a field. ``min`` must not exceed ``max``.
     """
-    register = next((candidate for candidate in device.registers if candidate.name == test["register"]), None)
+    register = next(
+        (device_register for device_register in device.registers if device_register.name == raw_test["register"]), None
+    )
     if register is None:
-        report.add("undefined-reference", (*path, "register"), f"there is no register {quoted(test['register'])}")
-    elif test["run"] not in runs_of(register):
-        message = f"{quoted(test['register'])} has no field or run of digits {quoted(test['run'])}"
-        report.add("undefined-reference", (*path, "run"), f"{message}; it has {join_words(runs_of(register))}")
-    if test["min"] > test["max"]:
-        report.add("out-of-range", (*path, "min"), f"'min' is {test['min']}; it must be at most {test['max']}")
+        report.add(
+            "undefined-reference", (*test_path, "register"), f"there is no register {quoted(raw_test['register'])}"
+        )
+    elif raw_test["run"] not in runs_of(register):
+        message = f"{quoted(raw_test['register'])} has no field or run of digits {quoted(raw_test['run'])}"
+        report.add("undefined-reference", (*test_path, "run"), f"{message}; it has {join_words(runs_of(register))}")
+    if raw_test["min"] > raw_test["max"]:
+        report.add(
+            "out-of-range", (*test_path, "min"), f"'min' is {raw_test['min']}; it must be at most {raw_test['max']}"
+        )
 
 
 def runs_of(register: Any) -> list[str]:
@@ -342,24 +352,24 @@ def runs_of(register: Any) -> list[str]:
 RULE = "coverage-file"
 
 
-def read_counts(spec: pathlib.Path, report: ProblemReport) -> TimesRead | None:
+def read_counts(spec_path: pathlib.Path, report: ProblemReport) -> TimesRead | None:
     """Return how often the facts of a spec were read from the manual, from a file next to it, or None without a file.
 
     If the file does not contain such counts, it is reported as edited.
     """
-    file = coverage_path(spec)
-    if not file.is_file():
+    counts_path = coverage_path(spec_path)
+    if not counts_path.is_file():
         return None
     expected_keys = [member.name for member in fields(TimesRead)]
     try:
-        counts = json.loads(file.read_text(encoding="utf-8"))
-        has_expected_keys = set(counts) == set(expected_keys)
-        if has_expected_keys and all(type(counts[name]) is int for name in expected_keys):
-            return TimesRead(**counts)
+        count_by_name = json.loads(counts_path.read_text(encoding="utf-8"))
+        has_expected_keys = set(count_by_name) == set(expected_keys)
+        if has_expected_keys and all(type(count_by_name[name]) is int for name in expected_keys):
+            return TimesRead(**count_by_name)
     except (OSError, ValueError, TypeError, RecursionError):  # A TypeError means that the content is not a map.
         pass
     message = "the file was edited; write it again: codewheel check --coverage --write"
-    report.add_at(str(file), RULE, message)
+    report.add_at(str(counts_path), RULE, message)
     return None
 
 
@@ -376,23 +386,23 @@ def history_beside(spec: pathlib.Path) -> pathlib.Path:
     return spec.with_name(f"{spec.stem}.changes.json")
 
 
-def read_history(spec: pathlib.Path, report: ProblemReport) -> tuple[Release, ...]:
+def read_history(spec_path: pathlib.Path, report: ProblemReport) -> tuple[Release, ...]:
     """Return the released versions of a spec, newest first, from a file next to it, or ``()`` without a file.
 
     If the file does not contain such versions, it is reported as edited.
     """
-    file = history_beside(spec)
-    if not file.is_file():
+    history_path = history_beside(spec_path)
+    if not history_path.is_file():
         return ()
     try:
-        history_data = json.loads(file.read_text(encoding="utf-8"))
+        history_data = json.loads(history_path.read_text(encoding="utf-8"))
         releases = tuple(_build_release(release) for release in history_data["releases"])
         if all(_has_only_texts(release) for release in releases):
             return releases
     except (OSError, ValueError, TypeError, KeyError, RecursionError):
         pass
     message = "the file was edited; undo the edit, or remove it and write it again: codewheel diff --record"
-    report.add_at(str(file), CHANGES_RULE, message)
+    report.add_at(str(history_path), CHANGES_RULE, message)
     return ()
 
 

@@ -38,19 +38,21 @@ def build_interfaces(raw_spec: Raw, context: LayoutContext) -> tuple[Interface, 
     return tuple(_build_interface(name, definition, context) for name, definition in raw_spec["interfaces"].items())
 
 
-def _build_interface(name: str, raw_interface: Raw, context: LayoutContext) -> Interface:
+def _build_interface(interface_name: str, raw_interface: Raw, context: LayoutContext) -> Interface:
     """Return an interface with its valid layouts. Layouts with problems are reported and left out."""
     layouts: list[Layout] = []
-    for index, definition in enumerate(raw_interface["layouts"]):
-        layout = build_layout(definition, SpecPlace(("interfaces", name, "layouts", index), context, name))
+    for layout_index, raw_layout in enumerate(raw_interface["layouts"]):
+        layout = build_layout(
+            raw_layout, SpecPlace(("interfaces", interface_name, "layouts", layout_index), context, interface_name)
+        )
         if layout is not None:
             layouts.append(layout)
     if "word_bits" in raw_interface:
-        _check_words(raw_interface, layouts, SpecPlace(("interfaces", name), context, name))
-    kind: Callable[..., Interface] = INTERFACES[name]
-    members_of_kind = _INTERFACES[name](raw_interface, context)
+        _check_words(raw_interface, layouts, SpecPlace(("interfaces", interface_name), context, interface_name))
+    interface_class: Callable[..., Interface] = INTERFACES[interface_name]
+    built_members = _INTERFACES[interface_name](raw_interface, context)
     measurement = build_measurement(raw_interface, context)
-    return build_part(kind, raw_interface, layouts=tuple(layouts), measurement=measurement, **members_of_kind)
+    return build_part(interface_class, raw_interface, layouts=tuple(layouts), measurement=measurement, **built_members)
 
 
 #: Lowest and highest number of bits in an SPI word.
@@ -63,8 +65,8 @@ class _Word(NamedTuple):
     The exchange is empty for a layout that no exchange uses.
     """
 
-    exchange: Raw
-    bits: Expression | None
+    raw_exchange: Raw
+    width: Expression | None
 
 
 def _check_words(raw_interface: Raw, layouts: Sequence[Layout], spec_place: SpecPlace) -> None:
@@ -73,56 +75,60 @@ def _check_words(raw_interface: Raw, layouts: Sequence[Layout], spec_place: Spec
     ``word_bits`` of an exchange replaces ``word_bits`` of the interface. If several layouts all have the same number of
     bits, but ``word_bits`` is different, ``word_bits`` is the mistake, and is reported once.
     """
-    default_bits = _checked_word_bits(raw_interface, spec_place)
+    default_width = _checked_word_bits(raw_interface, spec_place)
     words: list[_Word] = []
     for index, exchange in enumerate(raw_interface.get("exchanges", ())):
-        bits = default_bits
+        word_width = default_width
         if "word_bits" in exchange:
-            bits = _checked_word_bits(exchange, spec_place, "exchanges", index)
-        words.append(_Word(exchange, bits))
-    words_have_default_bits = all(word.bits == default_bits for word in words)
+            word_width = _checked_word_bits(exchange, spec_place, "exchanges", index)
+        words.append(_Word(exchange, word_width))
+    words_have_default_bits = all(word.width == default_width for word in words)
     layout_widths = {layout.bits for layout in layouts}
     layouts_agree = len(layouts) > 1 and len(layout_widths) == 1
-    if default_bits is not None and words_have_default_bits and layouts_agree:
-        if default_bits not in layout_widths:
-            message = f"'word_bits' is {default_bits.render()}, but every layout has {layouts[0].bits.render()} bits"
+    if default_width is not None and words_have_default_bits and layouts_agree:
+        if default_width not in layout_widths:
+            message = f"'word_bits' is {default_width.render()}, but every layout has {layouts[0].bits.render()} bits"
             spec_place.report("width-mismatch", f"{message}; correct 'word_bits' or the fields", "word_bits")
         return
     for layout in layouts:
-        words_of_layout = [word for word in words if layout.name in (word.exchange["request"], word.exchange["reply"])]
+        words_of_layout = [
+            word for word in words if layout.name in (word.raw_exchange["request"], word.raw_exchange["reply"])
+        ]
         # A layout that no exchange uses is compared with ``word_bits`` of the interface.
-        _check_word_bits(layout, words_of_layout or [_Word({}, default_bits)], layouts, spec_place)
+        _check_word_bits(layout, words_of_layout or [_Word({}, default_width)], layouts, spec_place)
 
 
 def _check_word_bits(layout: Layout, words: Sequence[_Word], layouts: Sequence[Layout], spec_place: SpecPlace) -> None:
     """Report the first SPI exchange that uses a layout, but whose words have a different number of bits."""
-    mismatches = [word for word in words if word.bits is not None and not word.bits.has_value_of(layout.bits)]
+    mismatches = [word for word in words if word.width is not None and not word.width.has_value_of(layout.bits)]
     if not mismatches:
         return
-    exchange, bits = mismatches[0]
+    raw_exchange, word_width = mismatches[0]
     exchange_text = ""
     remedy = "correct 'word_bits' or the fields"
-    if "word_bits" in exchange:
-        exchange_text = f" of the exchange of '{exchange['request']}'"
-    elif exchange:
-        remedy += f", or give the exchange of '{exchange['request']}' its own 'word_bits'"
-    bits_text = bits.render() if bits is not None else ""
-    message = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{exchange_text} is {bits_text}"
-    if _is_longer_than_request(layout, exchange, layouts, spec_place):
+    if "word_bits" in raw_exchange:
+        exchange_text = f" of the exchange of '{raw_exchange['request']}'"
+    elif raw_exchange:
+        remedy += f", or give the exchange of '{raw_exchange['request']}' its own 'word_bits'"
+    word_width_text = word_width.render() if word_width is not None else ""
+    message = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{exchange_text} is {word_width_text}"
+    if _is_longer_than_request(layout, raw_exchange, layouts, spec_place):
         reason = "a reply that is longer than its request is not supported"
         remedy = f"{reason}, so add a constant to the request, and give the exchange their 'word_bits'"
     spec_place.report("width-mismatch", f"{message}; {remedy}", "layouts", layout.name)
 
 
-def _is_longer_than_request(layout: Layout, exchange: Raw, layouts: Sequence[Layout], spec_place: SpecPlace) -> bool:
+def _is_longer_than_request(
+    layout: Layout, raw_exchange: Raw, layouts: Sequence[Layout], spec_place: SpecPlace
+) -> bool:
     """Return whether a layout is the reply of an exchange whose request has fewer bits for some order code."""
-    if layout.name != exchange.get("reply"):
+    if layout.name != raw_exchange.get("reply"):
         return False
-    for request in layouts:
-        if request.name != exchange["request"]:
+    for request_layout in layouts:
+        if request_layout.name != raw_exchange["request"]:
             continue
         for parameters in spec_place.parameter_sets:
-            if request.bits.value(parameters) < layout.bits.value(parameters):
+            if request_layout.bits.value(parameters) < layout.bits.value(parameters):
                 return True
     return False
 
@@ -134,14 +140,14 @@ def _checked_word_bits(
 
     Return None for an invalid expression. ``path_of_exchange`` is the path in the interface.
     """
-    lowest, highest = _SPI_WORD_BITS
-    word_bits = spec_place.context.expression(interface_or_exchange.get("word_bits", lowest))
+    fewest_bits, most_bits = _SPI_WORD_BITS
+    word_bits = spec_place.context.expression(interface_or_exchange.get("word_bits", fewest_bits))
     if word_bits is None:
         return None
-    bits_of_order_codes = sorted({word_bits.value(parameters) for parameters in spec_place.parameter_sets})
-    impossible_numbers = [bits for bits in bits_of_order_codes if not lowest <= bits <= highest]
-    if impossible_numbers:
-        message = f"a word has {impossible_numbers[0]} bits, but {lowest} to {highest} are possible"
+    bit_counts = sorted({word_bits.value(parameters) for parameters in spec_place.parameter_sets})
+    impossible_bit_counts = [bit_count for bit_count in bit_counts if not fewest_bits <= bit_count <= most_bits]
+    if impossible_bit_counts:
+        message = f"a word has {impossible_bit_counts[0]} bits, but {fewest_bits} to {most_bits} are possible"
         spec_place.report("width-mismatch", message, *path_of_exchange, "word_bits")
     return word_bits
 
@@ -150,9 +156,13 @@ def build_measurement(raw_owner: Raw, context: LayoutContext) -> Measurement | N
     """Return the description of the position, such as its counts per turn, of a device or interface, or None."""
     if "measurement" not in raw_owner:
         return None
-    definition = raw_owner["measurement"]
-    keys = ("counts_per_turn", "turns", "step_um", "step_nm", "per_counts", "modulus", "highest")
-    return Measurement(of=definition["of"], source=sources(definition), **context.expressions(definition, keys))
+    raw_measurement = raw_owner["measurement"]
+    expression_keys = ("counts_per_turn", "turns", "step_um", "step_nm", "per_counts", "modulus", "highest")
+    return Measurement(
+        of=raw_measurement["of"],
+        source=sources(raw_measurement),
+        **context.expressions(raw_measurement, expression_keys),
+    )
 
 
 def _build_clocks(raw_interface: Raw) -> tuple[Clock, ...]:
@@ -182,28 +192,33 @@ def _members_of_ssi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, 
     if raw_interface.get("output_code"):
         source_of_code = sources(raw_interface, "output_code_source") or source
         output_code = OutputCode(raw_interface["output_code"], source_of_code)
-    cable_rows = raw_interface.get("cable_lengths", ())
+    raw_cable_lengths = raw_interface.get("cable_lengths", ())
     return {
         "clocks": _build_clocks(raw_interface),
         "alignment": Alignment(
             raw_interface.get("alignment", ""), sources(raw_interface, "alignment_source") or source
         ),
         "output_code": output_code,
-        "cable_lengths": tuple(build_part(CableLength, row, source=sources(row) or source) for row in cable_rows),
+        "cable_lengths": tuple(
+            build_part(CableLength, raw_cable_length, source=sources(raw_cable_length) or source)
+            for raw_cable_length in raw_cable_lengths
+        ),
     }
 
 
 def _members_of_biss(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of a BiSS interface that are not copied from the spec, by name."""
-    control = raw_interface.get("control_data", {})
-    timeouts = _as_list(raw_interface.get("timeout", ()))
-    control_fields = [_build_control_field(raw_field, control, context) for raw_field in control.get("fields", ())]
+    raw_control = raw_interface.get("control_data", {})
+    raw_timeouts = _as_list(raw_interface.get("timeout", ()))
+    control_fields = [
+        _build_control_field(raw_field, raw_control, context) for raw_field in raw_control.get("fields", ())
+    ]
     return {
         "clocks": _build_clocks(raw_interface),
-        "timeouts": tuple(build_part(Timeout, timeout) for timeout in timeouts),
+        "timeouts": tuple(build_part(Timeout, raw_timeout) for raw_timeout in raw_timeouts),
         "channels": _build_channels(raw_interface, context),
         "control_data": tuple(control_fields),
-        "control_data_note": control.get("note", ""),
+        "control_data_note": raw_control.get("note", ""),
     }
 
 
@@ -213,8 +228,8 @@ def _build_channels(raw_interface: Raw, context: LayoutContext) -> DataChannels 
         return None
     raw_channels = raw_interface["channels"]
     source = sources(raw_channels) or sources(raw_interface)
-    bits = context.expressions(raw_channels, ("compared_bits",))
-    return build_part(DataChannels, {"order": (), **raw_channels}, source=source, **bits)
+    compared_bits_member = context.expressions(raw_channels, ("compared_bits",))
+    return build_part(DataChannels, {"order": (), **raw_channels}, source=source, **compared_bits_member)
 
 
 def _members_of_rs485(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
@@ -227,10 +242,10 @@ def _members_of_rs485(raw_interface: Raw, context: LayoutContext) -> Mapping[str
 
 def _members_of_spi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
     """Return the members of an SPI interface that are not copied from the spec, by name."""
-    bits = context.expression(raw_interface.get("word_bits", _SPI_WORD_BITS[0]))
+    word_bits = context.expression(raw_interface.get("word_bits", _SPI_WORD_BITS[0]))
     return {
         "clocks": _build_clocks(raw_interface),
-        "word_bits": bits,
+        "word_bits": word_bits,
         "exchanges": _build_exchanges(raw_interface, context),
     }
 
@@ -254,18 +269,18 @@ _PORT_DEFAULTS = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_contro
 _INTERFACES = {"ssi": _members_of_ssi, "biss": _members_of_biss, "rs485": _members_of_rs485, "spi": _members_of_spi}
 
 
-def _build_control_field(raw_field: Raw, parent: Raw, context: LayoutContext) -> ControlField:
+def _build_control_field(raw_field: Raw, raw_control: Raw, context: LayoutContext) -> ControlField:
     """Return a field of the BiSS control frame.
 
     If the spec does not give its number of bits, a CRC has the width of the CRC, and any other field has one bit.
     """
-    crc = context.crcs.get(raw_field.get("crc", ""))
-    default_bits = crc.width if crc is not None else 1
-    bits = raw_field.get("bits", default_bits)
-    if not isinstance(bits, int):  # This is already reported, because the control frame has fixed widths.
-        bits = 0
-    source = sources(raw_field) or sources(parent)
-    return build_part(ControlField, raw_field, bits=bits, values=build_values(raw_field), source=source)
+    crc = context.crc_by_name.get(raw_field.get("crc", ""))
+    default_bit_count = crc.width if crc is not None else 1
+    bit_count = raw_field.get("bits", default_bit_count)
+    if not isinstance(bit_count, int):  # This is already reported, because the control frame has fixed widths.
+        bit_count = 0
+    source = sources(raw_field) or sources(raw_control)
+    return build_part(ControlField, raw_field, bits=bit_count, values=build_values(raw_field), source=source)
 
 
 #: Field of a frame that holds the value of a register.
@@ -277,17 +292,17 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
 
     The value is in the field ``data`` of the frames. Only the first mismatch of each register is reported.
     """
-    interface = device.find_interface(Spi)
-    if interface is None or not valid_parts_so_far(report).has_frames:
+    spi = device.find_interface(Spi)
+    if spi is None or not valid_parts_so_far(report).has_valid_layouts:
         return
-    for register in device.registers_over(interface.name):
-        frame_names = set(_frames_with_register(interface, register))
-        for frame_name, bits in _widths_of_value(device, interface, frame_names):
-            needed_bytes = (bits + 7) // 8  # rounded up
-            if needed_bytes != register.length:
+    for register in device.registers_over(spi.name):
+        frame_names = set(_frames_with_register(spi, register))
+        for frame_name, value_bit_count in _widths_of_value(device, spi, frame_names):
+            needed_byte_count = (value_bit_count + 7) // 8  # rounded up
+            if needed_byte_count != register.length:
                 register_text = f"'{register.name}' has {count_with_unit(register.length, 'byte')}"
-                width = count_with_unit(bits, "bit")
-                message = f"{register_text}, but '{_REGISTER_VALUE_FIELD}' in '{frame_name}' has {width}"
+                value_width_text = count_with_unit(value_bit_count, "bit")
+                message = f"{register_text}, but '{_REGISTER_VALUE_FIELD}' in '{frame_name}' has {value_width_text}"
                 remedy = "correct 'length', or describe each part as a register"
                 report.add("width-mismatch", ("registers", register.name, "length"), f"{message}; {remedy}")
                 break
@@ -309,6 +324,6 @@ def _widths_of_value(device: Device, interface: Spi, frame_names: Collection[str
         if layout.name not in frame_names:
             continue
         for variant in device.variants_over(interface.name):
-            field = layout.place(variant.parameters).find_field(_REGISTER_VALUE_FIELD)
-            if field is not None:
-                yield layout.name, field.width
+            value_field = layout.place(variant.parameters).find_field(_REGISTER_VALUE_FIELD)
+            if value_field is not None:
+                yield layout.name, value_field.width

@@ -52,26 +52,26 @@ def _check_joins(layout: Layout, spec_place: SpecPlace, sends_low_byte_first: bo
     A joined number consists of plain bits, and contains each field once. In a bit frame, its fields are listed in
     transmission order, or in reverse order if ``sends_low_byte_first`` is true.
     """
-    fields_by_name = {field.name: field for field in layout.fields}
+    field_by_name = {field.name: field for field in layout.fields}
     joins_with_problems: set[str] = set()
     for join in layout.joins:
-        problems_before = len(spec_place.context.report)
-        _check_parts_of_join(join, fields_by_name, spec_place)
+        problem_count_before = len(spec_place.context.report)
+        _check_parts_of_join(join, field_by_name, spec_place)
         # Bytes may be sent in any order, but the bits of a word are sent from the highest to the lowest.
         if not layout.in_bytes:
-            _check_order_of_join(join, fields_by_name, layout, spec_place, sends_low_byte_first)
-        if len(spec_place.context.report) > problems_before:
+            _check_order_of_join(join, field_by_name, layout, spec_place, sends_low_byte_first)
+        if len(spec_place.context.report) > problem_count_before:
             joins_with_problems.add(join.name)
     return joins_with_problems
 
 
-def _check_parts_of_join(join: Join, fields: Mapping[str, Field], spec_place: SpecPlace) -> None:
+def _check_parts_of_join(join: Join, field_by_name: Mapping[str, Field], spec_place: SpecPlace) -> None:
     """Check that a joined number consists of plain bits, and contains each field once."""
     for index, name in enumerate(join.fields):
         if name in join.fields[:index]:
             spec_place.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
             continue
-        reason = _obstacle_to_join(fields[name].kind) if name in fields else ""
+        reason = _obstacle_to_join(field_by_name[name].kind) if name in field_by_name else ""
         if reason:
             # A reason may already end with a remedy after a semicolon.
             separator = ", or" if ";" in reason else ";"
@@ -80,22 +80,23 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], spec_place: Sp
 
 
 def _check_order_of_join(
-    join: Join, fields: Mapping[str, Field], layout: Layout, spec_place: SpecPlace, sends_low_byte_first: bool
+    join: Join, field_by_name: Mapping[str, Field], layout: Layout, spec_place: SpecPlace, sends_low_byte_first: bool
 ) -> None:
     """Check that each field of a joined number is sent before the next one, or after it with the low byte first.
 
     A field that is sent earlier has higher bits in the layout.
     """
     different_neighbors = []
-    for above, below in pairwise(join.fields):
-        if above != below and above in fields and below in fields:
-            different_neighbors.append((above, below))
-    for index, (above, below) in enumerate(different_neighbors, 1):
-        must_be_lower, must_be_higher = (above, below) if sends_low_byte_first else (below, above)
-        if _is_above(fields[must_be_lower], fields[must_be_higher], spec_place):
-            problem = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{must_be_lower}' first"
+    for upper, lower in pairwise(join.fields):
+        if upper != lower and upper in field_by_name and lower in field_by_name:
+            different_neighbors.append((upper, lower))
+    for pair_number, (upper, lower) in enumerate(different_neighbors, 1):
+        lower_if_correct, upper_if_correct = (upper, lower) if sends_low_byte_first else (lower, upper)
+        if _is_above(field_by_name[lower_if_correct], field_by_name[upper_if_correct], spec_place):
+            problem = f"'{join.name}' has '{upper}' above '{lower}'"
             remedy = _remedy_for_order(sends_low_byte_first, spec_place)
-            spec_place.report("join-order", problem + remedy, "join", join.name, index)
+            message = f"{problem}, but '{layout.name}' sends '{lower_if_correct}' first{remedy}"
+            spec_place.report("join-order", message, "join", join.name, pair_number)
 
 
 def _remedy_for_order(sends_low_byte_first: bool, spec_place: SpecPlace) -> str:
@@ -114,8 +115,8 @@ def _check_bytes(layout: Layout, spec_place: SpecPlace) -> None:
     """
     for field in layout.fields:
         # Byte order has no effect on unused bits and zeros.
-        is_number = not isinstance(field.kind, Unused) and not _is_zeros(field.kind)
-        if is_number and field.widest > 8:
+        has_byte_order = not isinstance(field.kind, Unused) and not _is_zeros(field.kind)
+        if has_byte_order and field.widest > 8:
             message = f"'{field.name}' has {field.widest} bits, but the low byte of each number comes first"
             spec_place.report(
                 "join-order", f"{message}; describe each byte as a field, and join them", "fields", field.name
@@ -129,21 +130,21 @@ def _is_zeros(kind: Kind) -> bool:
 
 def _check_parities(layout: Layout, spec_place: SpecPlace) -> None:
     """Check that parity bits cover each field at most once, and no computed field: a CRC or another parity bit."""
-    fields_by_name = {field.name: field for field in layout.fields}
+    field_by_name = {field.name: field for field in layout.fields}
     for field in layout.fields:
         if not isinstance(field.kind, Parity):
             continue
         covered_names = field.kind.covers
         for index, name in enumerate(covered_names):
-            is_computed = name in fields_by_name and fields_by_name[name].kind.role == "check"
+            is_computed = name in field_by_name and field_by_name[name].kind.role == "check"
             if name in covered_names[:index]:
                 problem = f"'{field.name}' covers '{name}' twice; list it once"
                 spec_place.report("parity-of", problem, "fields", field.name, "parity_of")
             elif is_computed:
-                problem = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself; leave it out"
-                spec_place.report("parity-of", problem, "fields", field.name, "parity_of")
+                problem = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself"
+                spec_place.report("parity-of", f"{problem}; leave it out", "fields", field.name, "parity_of")
         # The bits of a field count from 0, so only a field with at least two bits has a bit with an odd number.
-        covers_odd_bits = any(fields_by_name[name].widest > 1 for name in covered_names if name in fields_by_name)
+        covers_odd_bits = any(field_by_name[name].widest > 1 for name in covered_names if name in field_by_name)
         if field.kind.over == "odd_bits" and not covers_odd_bits:
             problem = f"'{field.name}' covers no bit, because no covered field has a bit 1; write 'over: even_bits'"
             spec_place.report("parity-of", problem, "fields", field.name, "parity_of")
@@ -176,12 +177,12 @@ def _check_gray(layout: Layout, spec_place: SpecPlace) -> None:
     all order codes.
     """
     coded_names = layout.field_names_of(layout.gray_of)
-    fields_by_name = {field.name: field for field in layout.fields}
-    coded_fields = [fields_by_name[name] for name in coded_names if name in fields_by_name]
-    parts_without_number = [part for part in coded_fields if not isinstance(part.kind, (Number, Choice, Flag))]
+    field_by_name = {field.name: field for field in layout.fields}
+    coded_fields = [field_by_name[name] for name in coded_names if name in field_by_name]
+    fields_without_number = [field for field in coded_fields if not isinstance(field.kind, (Number, Choice, Flag))]
     problem = ""
-    if parts_without_number:
-        problem = f"'{parts_without_number[0].name}' is not a number"
+    if fields_without_number:
+        problem = f"'{fields_without_number[0].name}' is not a number"
     elif len(coded_fields) == 1 and coded_fields[0].widest == 1:
         problem = f"'{coded_fields[0].name}' has one bit"
     if problem:
@@ -193,11 +194,11 @@ def _check_gray(layout: Layout, spec_place: SpecPlace) -> None:
         spec_place.report("gray-of", message, "gray", "when")
     # Without such a parameter, the number is always in Gray code.
     sets_with_gray_code = [parameters for parameters in parameter_sets if parameters.get(layout.gray_when, 1)]
-    for above, below in pairwise(coded_fields):
-        if not _are_adjacent(above, below, sets_with_gray_code):
+    for upper_field, lower_field in pairwise(coded_fields):
+        if not _are_adjacent(upper_field, lower_field, sets_with_gray_code):
             message = (
-                f"'{above.name}' and '{below.name}' are not adjacent; a number in Gray code must be contiguous,"
-                " most significant part first"
+                f"'{upper_field.name}' and '{lower_field.name}' are not adjacent; a number in Gray code must be"
+                " contiguous, most significant part first"
             )
             spec_place.report("gray-of", message, "gray", "of")
             return
@@ -231,7 +232,7 @@ def check_layout(layout: Layout, spec_place: SpecPlace, low_byte_first: bool) ->
 
     ``spec_place`` is the place of the layout in the spec. ``low_byte_first`` is true if the spec says so there.
     """
-    problems_before = len(spec_place.context.report)
+    problem_count_before = len(spec_place.context.report)
     _check_length(layout, spec_place)
     for field in layout.fields:
         _check_field(layout, field, replace(spec_place, path=(*spec_place.path, "fields", field.name)))
@@ -242,7 +243,7 @@ def check_layout(layout: Layout, spec_place: SpecPlace, low_byte_first: bool) ->
         message = "decoded frames use the name 'unused' for all unused bits; rename the field"
         spec_place.report("duplicate-name", message, "fields", "unused")
     check_joined(layout, spec_place, low_byte_first)
-    return len(spec_place.context.report) == problems_before
+    return len(spec_place.context.report) == problem_count_before
 
 
 def _check_length(layout: Layout, spec_place: SpecPlace) -> None:
@@ -291,10 +292,10 @@ def _remedy_for_long_frames(layout: Layout) -> str:
 def _check_field(layout: Layout, field: Field, spec_place: SpecPlace) -> None:
     """Check the width, the kind and the code of a field. Only texts and filling zeros can have more than 64 bits."""
     kind = field.kind
-    bits = field.widest
-    is_filling = field.padding_of or field.fills_gap or field.fills_byte
-    if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_filling:
-        spec_place.report("too-long", f"'{field.name}' has {bits} bits; the maximum is {LARGEST_NUMBER}")
+    bit_count = field.widest
+    is_filled_with_zeros = field.padding_of or field.fills_gap or field.fills_byte
+    if bit_count > LARGEST_NUMBER and not isinstance(kind, Text) and not is_filled_with_zeros:
+        spec_place.report("too-long", f"'{field.name}' has {bit_count} bits; the maximum is {LARGEST_NUMBER}")
     _check_kind(layout, field, spec_place)
     if kind.digit_code:
         _check_digits(layout, field, spec_place)
@@ -350,14 +351,14 @@ def _problem_of_digits(layout: Layout, field: Field, spec_place: SpecPlace) -> s
         return f"consists of digits, so 'bits' must be a number, not {field.width.render()}"
     if layout.widest > LARGEST_NUMBER:
         return f"is in a frame of {layout.widest} bits, and the maximum for digits is {LARGEST_NUMBER}; {fix}"
-    code = field.code_of_digits
-    assert code is not None
-    bits_of_codes = code.bits * len(code.codes)
+    digit_code = field.code_of_digits
+    assert digit_code is not None
+    bit_count_of_codes = digit_code.bits * len(digit_code.codes)
     # Generated C has all codes in one number, and NumPy code looks up one byte for each digit.
-    if code.bits > WIDEST_DIGIT or bits_of_codes > LARGEST_NUMBER:
-        return f"has {len(code.codes)} codes of {code.bits} bits, more than decoders have room for; {fix}"
-    if code.highest(field.widest) < 0:
-        return f"has {field.widest} bits, so its first digit has too few bits for {code.name}; change 'bits'"
+    if digit_code.bits > WIDEST_DIGIT or bit_count_of_codes > LARGEST_NUMBER:
+        return f"has {len(digit_code.codes)} codes of {digit_code.bits} bits, more than decoders have room for; {fix}"
+    if digit_code.highest(field.widest) < 0:
+        return f"has {field.widest} bits, so its first digit has too few bits for {digit_code.name}; change 'bits'"
     return ""
 
 
@@ -388,10 +389,10 @@ def _check_one_bit(field: Field, kind_text: str, spec_place: SpecPlace) -> None:
         spec_place.report("width-mismatch", f"{message}; remove 'bits'")
         return
     for parameters in spec_place.parameter_sets:
-        width = field.width.value(parameters)
-        if width > 1:
+        bit_count = field.width.value(parameters)
+        if bit_count > 1:
             message = (
-                f"{subject}, so it has one bit or none, but it has {width}{condition_text(parameters, field.width)}"
+                f"{subject}, so it has one bit or none, but it has {bit_count}{condition_text(parameters, field.width)}"
             )
             spec_place.report("width-mismatch", f"{message}; use a parameter that is 0 or 1")
             return
@@ -405,12 +406,14 @@ def _check_choice(field: Field, choice: Choice, spec_place: SpecPlace) -> None:
     """Check that all named values fit into the field. If an order code lacks the field, one of them must be 0."""
     # If the width is constant, the rules on the text have already checked it.
     if not field.width.is_constant:
-        for value in choice.values:
-            has_too_many_bits = value.value >> field.widest != 0
+        for named_value in choice.values:
+            has_too_many_bits = named_value.value >> field.widest != 0
             if has_too_many_bits:
-                message = f"the value '{value.name}' = {value.value:#x} does not fit into {field.widest} bits"
+                message = (
+                    f"the value '{named_value.name}' = {named_value.value:#x} does not fit into {field.widest} bits"
+                )
                 spec_place.report("value-too-wide", message)
-    has_zero = any(value.value == 0 for value in choice.values)
+    has_zero = any(named_value.value == 0 for named_value in choice.values)
     if not has_zero:
         _check_absent(field, "none of its values is 0; add one", spec_place)
 
@@ -422,11 +425,11 @@ def _check_fixed(field: Field, fixed: Constant | Unused, spec_place: SpecPlace) 
     """
     widths = [field.width.value(parameters) for parameters in spec_place.parameter_sets]
     # An order code with a width of 0 does not have the field.
-    narrowest = min((width for width in widths if width), default=field.widest)
-    if not field.width.is_constant and fixed.value >> narrowest:
+    narrowest_width = min((width for width in widths if width), default=field.widest)
+    if not field.width.is_constant and fixed.value >> narrowest_width:
         key = "unused" if isinstance(fixed, Unused) else "constant"
-        noun = "bits" if narrowest > 1 else "bit"
-        message = f"'{key}' is {fixed.value:#x}, which does not fit into {narrowest} {noun}"
+        noun = "bits" if narrowest_width > 1 else "bit"
+        message = f"'{key}' is {fixed.value:#x}, which does not fit into {narrowest_width} {noun}"
         spec_place.report("value-too-wide", message)
     if isinstance(fixed, Constant) and fixed.value:
         _check_absent(field, f"'constant' is {fixed.value:#x}; use 0, or a constant width", spec_place)

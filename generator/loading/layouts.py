@@ -33,10 +33,10 @@ from .fields import (
     bit_slices_of,
     build_combinations,
     build_kind,
+    build_zero_field,
     expected_value,
     resolve_parity_bits,
     without_needless_byte_orders,
-    zero_field,
 )
 from .frame_kinds import with_unknown_verdicts
 from .layout_rules import check_layout
@@ -58,24 +58,24 @@ def build_layout(raw_layout: Raw, spec_place: SpecPlace, register_bits: int | No
     items_and_width = _place_items(raw_layout, spec_place, register_bits, low_byte_first)
     if items_and_width is None:
         return None
-    items, bits = items_and_width
+    placed_items, layout_width = items_and_width
     gap_content = content_of_gaps(raw_layout, spec_place.context)
-    fields = _with_gap_fields(items, bits, gap_content, spec_place)
+    fields = _with_gap_fields(placed_items, layout_width, gap_content, spec_place)
     if fields is None:
         return None
     if byte_order == "high_byte_first" and is_frame and INTERFACES[spec_place.interface].carried_as == "bits":
         # The interface sends bits, but the frame is carried as bytes, so zeros fill its first byte.
-        fields, bits = fill_first_byte(fields, bits)
+        fields, layout_width = fill_first_byte(fields, layout_width)
     fields = without_needless_byte_orders(fields, byte_order)
     if byte_order:
-        length = spec_place.widest(bits) // 8
-        fields = [replace(field, bit_slices=bit_slices_of(field, length, low_byte_first)) for field in fields]
+        byte_count = spec_place.widest(layout_width) // 8
+        fields = [replace(field, bit_slices=bit_slices_of(field, byte_count, low_byte_first)) for field in fields]
     fields = resolve_parity_bits(raw_layout, fields, spec_place)
     if not (is_frame and low_byte_first):
         # The lowest bits come first in ``fields``, but last in transmission order.
         fields = fields[::-1]
     layout = _build_layout(
-        raw_layout, spec_place, byte_order=byte_order, bits=bits, fields=fields, gap_content=gap_content
+        raw_layout, spec_place, byte_order=byte_order, layout_width=layout_width, fields=fields, gap_content=gap_content
     )
     # A layout that is carried as bits can also send the low byte first.
     states_low_byte_first = raw_layout.get("byte_order") == "low_byte_first"
@@ -89,7 +89,7 @@ def _build_layout(
     spec_place: SpecPlace,
     *,
     byte_order: str,
-    bits: Expression,
+    layout_width: Expression,
     fields: Sequence[Field],
     gap_content: str,
 ) -> Layout:
@@ -108,8 +108,8 @@ def _build_layout(
         sender=raw_layout.get("from", ""),
         in_bytes=byte_order != "",
         byte_order=byte_order,
-        bits=bits,
-        widest=spec_place.widest(bits),
+        bits=layout_width,
+        widest=spec_place.widest(layout_width),
         fields=tuple(fields),
         joins=tuple(_joins_of_fields(raw_layout, fields)),
         selector=selector,
@@ -129,9 +129,9 @@ def _joins_of_fields(raw_layout: Raw, fields: Sequence[Field]) -> Iterator[Join]
     A joined number with a field that does not exist is reported elsewhere, and left out.
     """
     field_names = {field.name for field in fields}
-    for name, members in raw_layout.get("join", {}).items():
-        if field_names.issuperset(members):
-            yield Join(name, tuple(members))
+    for joined_name, member_names in raw_layout.get("join", {}).items():
+        if field_names.issuperset(member_names):
+            yield Join(joined_name, tuple(member_names))
 
 
 def _build_position_range(raw_layout: Raw, context: LayoutContext) -> LayoutRange | None:
@@ -150,8 +150,8 @@ def _byte_order(raw_layout: Raw, carried_as: str) -> str:
     """
     if raw_layout.get("carried_as", carried_as) == "bits":
         return ""
-    order: str = raw_layout.get("byte_order", "high_byte_first")
-    return order
+    byte_order: str = raw_layout.get("byte_order", "high_byte_first")
+    return byte_order
 
 
 def _place_items(
@@ -163,23 +163,25 @@ def _place_items(
     fill the ``register_bits`` of a register. ``low_byte_first`` is true if the lowest byte is sent first. If the fields
     are not valid or do not fit, this is reported, and the result is None.
     """
-    items = _build_items(raw_layout.get("fields", ()), (*spec_place.path, "fields"), spec_place.context, low_byte_first)
-    if items is None:
+    field_items = _build_items(
+        raw_layout.get("fields", ()), (*spec_place.path, "fields"), spec_place.context, low_byte_first
+    )
+    if field_items is None:
         return None
-    single_fields = [field_item for field_item in items if not field_item.group]
-    have_places = any(_is_placed(field_item.raw) for field_item in single_fields)
-    if have_places:
-        layout_bits = _highest_used_bit(items, spec_place) + 1 if register_bits is None else register_bits
-        bits = Expression(layout_bits)
+    single_fields = [field_item for field_item in field_items if not field_item.group]
+    place_by_bit_number = any(_is_placed(field_item.raw) for field_item in single_fields)
+    if place_by_bit_number:
+        layout_bit_count = _highest_used_bit(field_items, spec_place) + 1 if register_bits is None else register_bits
+        layout_width = Expression(layout_bit_count)
     else:
-        items, bits = _place_in_sequence(items, low_byte_first)
-        if register_bits is not None and not _check_total_width(bits, register_bits, spec_place):
+        field_items, layout_width = _place_in_sequence(field_items, low_byte_first)
+        if register_bits is not None and not _check_total_width(layout_width, register_bits, spec_place):
             return None
-    return (items, bits) if check_items_fit(items, bits, spec_place) else None
+    return (field_items, layout_width) if check_items_fit(field_items, layout_width, spec_place) else None
 
 
 def _with_gap_fields(
-    items: Sequence[UnplacedItem], bits: Expression, gap_content: str, spec_place: SpecPlace
+    field_items: Sequence[UnplacedItem], layout_width: Expression, gap_content: str, spec_place: SpecPlace
 ) -> list[Field] | None:
     """Return the fields of a layout, beginning with the lowest, or report a problem and return None.
 
@@ -187,78 +189,80 @@ def _with_gap_fields(
     zeros, and the order of the fields must be the same for all order codes. If it is "", there must be no such bits.
     """
     fields: list[Field] = []
-    for field_item in items:
+    for field_item in field_items:
         fields += _build_fields(field_item, spec_place)
     fields = sort_by_place(fields, spec_place)
-    if not check_all_bits_covered(fields, bits, gap_content, spec_place):
+    if not check_all_bits_covered(fields, layout_width, gap_content, spec_place):
         return None
-    return fill_gaps_with_zeros(fields, bits, spec_place) if gap_content == "zero" else fields
+    return fill_gaps_with_zeros(fields, layout_width, spec_place) if gap_content == "zero" else fields
 
 
 def _build_items(
-    raw_fields: Sequence[Raw], path: Path, context: LayoutContext, low_byte_first: bool
+    raw_fields: Sequence[Raw], list_path: Path, context: LayoutContext, low_byte_first: bool
 ) -> list[UnplacedItem] | None:
     """Return the fields and groups of a layout without their places, unless they state them.
 
     If one of them is not valid, this is reported elsewhere, and the result is None.
     """
-    items = [_build_item(raw, (*path, index), context, low_byte_first) for index, raw in enumerate(raw_fields)]
-    valid_items = [field_item for field_item in items if field_item is not None]
-    return valid_items if len(valid_items) == len(items) else None
+    field_items = [
+        _build_item(raw_field, (*list_path, index), context, low_byte_first)
+        for index, raw_field in enumerate(raw_fields)
+    ]
+    valid_items = [field_item for field_item in field_items if field_item is not None]
+    return valid_items if len(valid_items) == len(field_items) else None
 
 
-def _build_item(raw_field: Raw, path: Path, context: LayoutContext, low_byte_first: bool) -> UnplacedItem | None:
+def _build_item(raw_field: Raw, field_path: Path, context: LayoutContext, low_byte_first: bool) -> UnplacedItem | None:
     """Return a field or a whole group of fields, with its width, or None if it is not valid.
 
-    If the field states its place, the result contains it. Otherwise, the place is 0 until it is known. The span is the
-    number of bits that the field occupies: its width, or ``padded_to`` bits.
+    If the field states its place, the result contains it. Otherwise, the place is 0 until it is known. The padded width
+    is the number of bits that the field occupies: its width, or ``padded_to`` bits.
     """
     if "use" in raw_field:
-        return _build_group_item(raw_field, path, context, low_byte_first)
+        return _build_group_item(raw_field, field_path, context, low_byte_first)
     width = _width_of_field(raw_field, context)
     if width is None:
         return None
-    low = _lowest_bit_of_field(raw_field, width, path, context) if _is_placed(raw_field) else ZERO
-    if low is None:
+    lowest_bit = _lowest_bit_of_field(raw_field, width, field_path, context) if _is_placed(raw_field) else ZERO
+    if lowest_bit is None:
         return None
-    span = Expression(raw_field["padded_to"]) if "padded_to" in raw_field else width
-    return UnplacedItem(raw_field, path, group="", width=width, span=span, low=low)
+    padded_width = Expression(raw_field["padded_to"]) if "padded_to" in raw_field else width
+    return UnplacedItem(raw_field, field_path, group="", width=width, padded_width=padded_width, low=lowest_bit)
 
 
-def _build_group_item(raw_field: Raw, path: Path, context: LayoutContext, low_byte_first: bool) -> UnplacedItem | None:
+def _build_group_item(
+    raw_field: Raw, field_path: Path, context: LayoutContext, low_byte_first: bool
+) -> UnplacedItem | None:
     """Return a whole group of fields that a layout uses, or None if there is no such group or it is not valid."""
-    if raw_field["use"] not in context.groups:
+    if raw_field["use"] not in context.group_and_path_by_name:
         return None
-    group, group_path = context.groups[raw_field["use"]]
-    group_items = _build_items_of_group(group, group_path, context, low_byte_first)
+    raw_group, group_path = context.group_and_path_by_name[raw_field["use"]]
+    group_items = _build_items_of_group(raw_group, group_path, context, low_byte_first)
     if group_items is None:
         return None
-    width = Expression(group["bits"])
-    return UnplacedItem({"group": group_items}, path, group=raw_field["use"], width=width, span=width)
+    width = Expression(raw_group["bits"])
+    return UnplacedItem({"group": group_items}, field_path, group=raw_field["use"], width=width, padded_width=width)
 
 
 def _build_items_of_group(
-    group: Raw, path: Path, context: LayoutContext, low_byte_first: bool
+    raw_group: Raw, group_path: Path, context: LayoutContext, low_byte_first: bool
 ) -> list[UnplacedItem] | None:
     """Return the fields of a group with their places in the group, or None if they are not valid.
 
     Fields that are listed in transmission order must have as many bits as the group states.
     """
     # A field without a citation has the citation of the group.
-    raw_fields = [{"source": group["source"], **raw} for raw in group["fields"]]
-    group_items = _build_items(raw_fields, (*path, "fields"), context, low_byte_first)
+    raw_fields = [{"source": raw_group["source"], **raw_field} for raw_field in raw_group["fields"]]
+    group_items = _build_items(raw_fields, (*group_path, "fields"), context, low_byte_first)
     if group_items is None:
         return None
     if not any(_is_placed(field_item.raw) for field_item in group_items):
-        group_items, bits = _place_in_sequence(group_items, low_byte_first)
-        if bits != Expression(group["bits"]):
-            context.report.add(
-                "width-mismatch",
-                path,
-                f"the fields of group '{group['name']}' have {bits.render()} bits, but 'bits' is {group['bits']}",
-            )
+        group_items, total_width = _place_in_sequence(group_items, low_byte_first)
+        if total_width != Expression(raw_group["bits"]):
+            problem = f"the fields of group '{raw_group['name']}' have {total_width.render()} bits"
+            context.report.add("width-mismatch", group_path, f"{problem}, but 'bits' is {raw_group['bits']}")
             return None
-    return [replace(field_item, group=group["name"]) for field_item in group_items]
+    return [replace(field_item, group=raw_group["name"]) for field_item in group_items]
 
 
 def _is_placed(raw_field: Raw) -> bool:
@@ -275,57 +279,61 @@ def _width_of_field(raw_field: Raw, context: LayoutContext) -> Expression | None
         return context.expression(raw_field["bits"])
     if "at" in raw_field:
         # A range that is not valid is reported when the lowest bit is determined.
-        high, low = bit_range(raw_field["at"]) or (0, 0)
-        return Expression(high - low + 1)
-    if "crc" in raw_field and raw_field["crc"] in context.crcs:
-        return Expression(context.crcs[raw_field["crc"]].width)
+        highest_bit, lowest_bit = bit_range(raw_field["at"]) or (0, 0)
+        return Expression(highest_bit - lowest_bit + 1)
+    if "crc" in raw_field and raw_field["crc"] in context.crc_by_name:
+        return Expression(context.crc_by_name[raw_field["crc"]].width)
     return Expression(1) if "active" in raw_field or "parity_of" in raw_field else None
 
 
-def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context: LayoutContext) -> Expression | None:
+def _lowest_bit_of_field(
+    raw_field: Raw, width: Expression, field_path: Path, context: LayoutContext
+) -> Expression | None:
     """Return the lowest bit of a field, which ``low_bit``, ``top_bit`` or ``at`` determines, or None if not valid."""
     if "low_bit" in raw_field:
         return context.expression(raw_field["low_bit"])
     if "top_bit" in raw_field:
         return Expression(raw_field["top_bit"] + 1) - width
-    high_and_low = bit_range(raw_field["at"])
-    if high_and_low is None:
+    highest_and_lowest_bit = bit_range(raw_field["at"])
+    if highest_and_lowest_bit is None:
         context.report.add(
             "bad-position",
-            (*path, "at"),
+            (*field_path, "at"),
             f"'{raw_field['at']}' is not a position; write a bit number, or a range with the high bit first, as in 7:6",
         )
         return None
-    _, low = high_and_low
-    return Expression(low)
+    _highest_bit, lowest_bit = highest_and_lowest_bit
+    return Expression(lowest_bit)
 
 
-def _place_in_sequence(items: Sequence[UnplacedItem], low_byte_first: bool) -> tuple[list[UnplacedItem], Expression]:
+def _place_in_sequence(
+    field_items: Sequence[UnplacedItem], low_byte_first: bool
+) -> tuple[list[UnplacedItem], Expression]:
     """Return the fields placed next to each other, and their total width. They are and stay in transmission order.
 
     The field that is sent last begins at bit 0, or, if ``low_byte_first`` is true, the field that is sent first.
     """
-    from_lowest = list(items) if low_byte_first else list(reversed(items))
+    items_from_lowest = list(field_items) if low_byte_first else list(reversed(field_items))
     placed_items = []
-    next_low = ZERO
-    for field_item in from_lowest:
-        placed_items.append(replace(field_item, low=next_low))
-        next_low += field_item.span
-    in_sending_order = placed_items if low_byte_first else placed_items[::-1]
-    return in_sending_order, next_low
+    next_lowest_bit = ZERO
+    for field_item in items_from_lowest:
+        placed_items.append(replace(field_item, low=next_lowest_bit))
+        next_lowest_bit += field_item.padded_width
+    items_in_sending_order = placed_items if low_byte_first else placed_items[::-1]
+    return items_in_sending_order, next_lowest_bit
 
 
 def _highest_used_bit(items: Sequence[UnplacedItem], spec_place: SpecPlace) -> int:
     """Return the highest bit that a field uses for any order code."""
-    return max(spec_place.widest(field_item.low + field_item.span) for field_item in expand_groups(items)) - 1
+    return max(spec_place.widest(field_item.low + field_item.padded_width) for field_item in expand_groups(items)) - 1
 
 
-def _check_total_width(bits: Expression, register_bits: int, spec_place: SpecPlace) -> bool:
+def _check_total_width(total_width: Expression, register_bits: int, spec_place: SpecPlace) -> bool:
     """Return whether the fields of a register fill its bits for every order code, and report if not."""
     for parameters in spec_place.parameter_sets:
-        field_bits = bits.value(parameters)
-        if field_bits != register_bits:
-            problem = f"the fields have {field_bits} bits{condition_text(parameters, bits)}"
+        total_bit_count = total_width.value(parameters)
+        if total_bit_count != register_bits:
+            problem = f"the fields have {total_bit_count} bits{condition_text(parameters, total_width)}"
             spec_place.report("width-mismatch", f"{problem}, but the register has {register_bits}")
             return False
     return True
@@ -333,33 +341,33 @@ def _check_total_width(bits: Expression, register_bits: int, spec_place: SpecPla
 
 def _build_fields(field_item: UnplacedItem, spec_place: SpecPlace) -> Iterable[Field]:
     """Yield a field and its padding, if it has any, or all fields of a group."""
-    for expanded_item in expand_groups([field_item]):
-        raw = expanded_item.raw
-        width = expanded_item.width
+    for single_item in expand_groups([field_item]):
+        raw_field = single_item.raw
+        width = single_item.width
         widest = spec_place.widest(width)
-        container = raw.get("padded_to", 0)
-        if "scale" in raw and widest > WIDEST:
-            message = f"'{raw['name']}' has {widest} bits; a number with 'scale' has at most {WIDEST}"
-            spec_place.context.report.add("scale-of", (*expanded_item.path, "scale"), message, at_key=True)
+        padded_bit_count = raw_field.get("padded_to", 0)
+        if "scale" in raw_field and widest > WIDEST:
+            message = f"'{raw_field['name']}' has {widest} bits; a number with 'scale' has at most {WIDEST}"
+            spec_place.context.report.add("scale-of", (*single_item.path, "scale"), message, at_key=True)
         yield build_part(
             Field,
-            raw,
-            kind=build_kind(raw, spec_place.context, spec_place.interface, width),
-            low=expanded_item.low,
+            raw_field,
+            kind=build_kind(raw_field, spec_place.context, spec_place.interface, width),
+            low=single_item.low,
             width=width,
             widest=widest,
-            group=expanded_item.group,
-            container=container,
-            equals=expected_value(raw, spec_place.context),
+            group=single_item.group,
+            container=padded_bit_count,
+            equals=expected_value(raw_field, spec_place.context),
         )
-        if container:
-            padding_bits = expanded_item.span - width
-            padding = Constant(padding_of=raw["name"])
-            yield zero_field(
-                name=f"{raw['name']}_padding",
-                constant=padding,
-                low=expanded_item.low + width,
-                width=padding_bits,
+        if padded_bit_count:
+            padding_width = single_item.padded_width - width
+            padding_constant = Constant(padding_of=raw_field["name"])
+            yield build_zero_field(
+                name=f"{raw_field['name']}_padding",
+                constant=padding_constant,
+                low=single_item.low + width,
+                width=padding_width,
                 spec_place=spec_place,
-                source=sources(raw),
+                source=sources(raw_field),
             )

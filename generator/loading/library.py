@@ -48,9 +48,9 @@ def load_valid(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...],
 
     A valid device is also left out if an invalid device has the same name or one of its order codes.
     """
-    families, report = load_families(paths)
-    valid_families = families_without_problems(families, report)
-    broken_devices = [family.device for family in families if family not in valid_families]
+    all_families, report = load_families(paths)
+    valid_families = families_without_problems(all_families, report)
+    broken_devices = [family.device for family in all_families if family not in valid_families]
     valid_devices = (family.device for family in valid_families)
     return tuple(device for device in valid_devices if not _shares_with_any(device, broken_devices)), report
 
@@ -72,8 +72,8 @@ def _have_common_name(first: Device, second: Device) -> bool:
     is_derived = bool(first.base or second.base)
     if is_derived or first.name == second.name:
         return first.name == second.name
-    first_codes = {variant.code for variant in first.variants}
-    return any(variant.code in first_codes for variant in second.variants)
+    order_codes_of_first = {variant.code for variant in first.variants}
+    return any(variant.code in order_codes_of_first for variant in second.variants)
 
 
 def load_families(
@@ -104,12 +104,14 @@ def load_families(
     edited_files = {document.file for document in documents if prepare is not None and prepare(document)}
     contents_after = contents(paths) if needs_contents else {}
     # A file that changed while the specs were read is neither taken from the cache nor stored.
-    unchanged = {file: content for file, content in contents_before.items() if contents_after.get(file) == content}
-    reusable_devices = {file: device for file, device in available_devices.items() if file in unchanged}
+    unchanged_contents = {
+        file: content for file, content in contents_before.items() if contents_after.get(file) == content
+    }
+    reusable_devices = {file: device for file, device in available_devices.items() if file in unchanged_contents}
     families = families_of(documents, report, reusable_devices)
     for index, family in enumerate(families):
         if family.files.isdisjoint(edited_files):
-            families[index] = _add_content(family, unchanged, reusable_devices, report, cache)
+            families[index] = _add_content(family, unchanged_contents, reusable_devices, report, cache)
     return families, report
 
 
@@ -146,12 +148,12 @@ def _packaged_specs_for(overlays: Sequence[Document]) -> list[Path]:
 
     If an overlay names an unknown family, all specs are returned, so that the message can suggest a family.
     """
-    specs_by_family = {spec.stem: spec for spec in spec_files(packaged_families())}
+    spec_path_by_family = {spec_path.stem: spec_path for spec_path in spec_files(packaged_families())}
     overlaid_names = sorted({str(overlay.data.get("of")) for overlay in overlays})
-    are_all_packaged = set(overlaid_names) <= specs_by_family.keys()
+    are_all_packaged = set(overlaid_names) <= spec_path_by_family.keys()
     if not are_all_packaged:
         return packaged_families()
-    return [specs_by_family[name] for name in overlaid_names]
+    return [spec_path_by_family[name] for name in overlaid_names]
 
 
 def _is_storable(family: Family) -> bool:
@@ -160,7 +162,7 @@ def _is_storable(family: Family) -> bool:
     Families with overlays and families of other editions depend on more files.
     """
     files_of_key = set(map(str, family_files(Path(family.document.file))))
-    return family.plain is None and not family.device.base and family.files <= files_of_key
+    return family.without_overlays is None and not family.device.base and family.files <= files_of_key
 
 
 def is_clean(family: Family, report: ProblemReport) -> bool:
@@ -205,8 +207,8 @@ def _check_documents(
     documents_and_data: list[tuple[Document, dict[str, Any] | None]] = []
     for document in documents:
         is_known_valid = document.file in valid_files
-        checked_data = document.data if is_known_valid else check_document(document, report)
-        documents_and_data.append((document, checked_data))
+        data_or_none = document.data if is_known_valid else check_document(document, report)
+        documents_and_data.append((document, data_or_none))
     return documents_and_data
 
 
@@ -279,11 +281,11 @@ def _build_device(
     if device is None:
         return None
     check_editions(device_data, device, report.for_document(document))
-    spec = Path(document.file)
+    spec_path = Path(document.file)
     edition_notes = tuple(errata_of_other_editions(device_data))
-    counts = read_counts(spec, report)
-    releases = read_history(spec, report)
-    return replace(device, times_read=counts, releases=releases, errata=(*device.errata, *edition_notes))
+    times_read = read_counts(spec_path, report)
+    releases = read_history(spec_path, report)
+    return replace(device, times_read=times_read, releases=releases, errata=(*device.errata, *edition_notes))
 
 
 def in_edition(family: Family, revision: str, report: ProblemReport) -> Family | None:
@@ -314,7 +316,7 @@ def _manufacturers_by_name(
 
     Different files for the same manufacturer are reported, as are names that two manufacturers share.
     """
-    manufacturers: dict[str, Manufacturer] = {}
+    manufacturer_by_name: dict[str, Manufacturer] = {}
     first_data_by_name: dict[str, dict[str, Any]] = {}
     for document, data in documents_and_data:
         is_manufacturer_file = data is not None and "device" not in data and "manufacturer" in data
@@ -326,9 +328,9 @@ def _manufacturers_by_name(
             message = f"there is a different manufacturer file for '{data['manufacturer']}'"
             report.add("duplicate-name", document, ("manufacturer",), message)
         manufacturer = build_manufacturer(data)
-        _check_manufacturer(manufacturer, manufacturers.values(), document, report)
-        manufacturers[manufacturer.name] = manufacturer
-    return manufacturers
+        _check_manufacturer(manufacturer, manufacturer_by_name.values(), document, report)
+        manufacturer_by_name[manufacturer.name] = manufacturer
+    return manufacturer_by_name
 
 
 def _placeholder_manufacturer(manufacturer_name: str) -> Manufacturer:
@@ -343,22 +345,22 @@ def _check_manufacturer(
     manufacturer: Manufacturer, others: Iterable[Manufacturer], document: Document, report: ProblemReport
 ) -> None:
     """Check that no other manufacturer has the same Python package or BiSS ID, and that no package name is reserved."""
-    package = manufacturer.python_package
+    package_name = manufacturer.python_package
     package_path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
-    is_name_of_python = package in sys.stdlib_module_names or keyword.iskeyword(package)
-    if package in _RESERVED_PACKAGE_NAMES or is_name_of_python:
-        name_user = "codewheel" if package in _RESERVED_PACKAGE_NAMES else "Python"
-        problem = f"'python_package' cannot be '{package}': {name_user} uses that name"
-        report.add("not-allowed", document, package_path, f"{problem}; write '{package}_encoders'")
+    is_name_of_python = package_name in sys.stdlib_module_names or keyword.iskeyword(package_name)
+    if package_name in _RESERVED_PACKAGE_NAMES or is_name_of_python:
+        name_user = "codewheel" if package_name in _RESERVED_PACKAGE_NAMES else "Python"
+        problem = f"'python_package' cannot be '{package_name}': {name_user} uses that name"
+        report.add("not-allowed", document, package_path, f"{problem}; write '{package_name}_encoders'")
     biss_id = manufacturer.biss_id
-    for other in others:
-        if other.name == manufacturer.name:
+    for other_manufacturer in others:
+        if other_manufacturer.name == manufacturer.name:
             continue
-        if other.python_package == package:
-            message = f"'{other.name}' also has the Python package '{package}'; rename one of the two"
+        if other_manufacturer.python_package == package_name:
+            message = f"'{other_manufacturer.name}' also has the Python package '{package_name}'; rename one of the two"
             report.add("duplicate-name", document, package_path, message)
-        if biss_id is not None and other.biss_id == biss_id:
-            message = f"'{other.name}' also has the BiSS manufacturer ID {biss_id:#06x}"
+        if biss_id is not None and other_manufacturer.biss_id == biss_id:
+            message = f"'{other_manufacturer.name}' also has the BiSS manufacturer ID {biss_id:#06x}"
             message += f", which names the file idbiss{biss_id:04X}.xml"
             report.add("duplicate-name", document, ("biss_id",), message)
 
@@ -369,10 +371,10 @@ def _missing_manufacturers(documents: Sequence[Document], report: ProblemReport)
     folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
     missing_documents: list[Document] = []
     for folder in folders:
-        path = folder / "manufacturer.yaml"
-        if path.resolve() in read_paths or not path.is_file():
+        manufacturer_path = folder / "manufacturer.yaml"
+        if manufacturer_path.resolve() in read_paths or not manufacturer_path.is_file():
             continue
-        document = read_document(path, report)
+        document = read_document(manufacturer_path, report)
         if document is not None:
             missing_documents.append(document)
     return missing_documents
@@ -384,11 +386,11 @@ def _compare_with_others(
     """Report a device whose name another device has, and the first of its order codes that another device has."""
     if any(other_device.name == device.name for other_device in other_devices):
         report.add("duplicate-name", document, ("device",), f"there is another spec for '{device.name}'")
-    devices_by_code: dict[str, Device] = {}
+    device_by_code: dict[str, Device] = {}
     for other_device in other_devices:
-        devices_by_code.update((variant.code, other_device) for variant in other_device.variants)
+        device_by_code.update((variant.code, other_device) for variant in other_device.variants)
     for variant in device.variants:
-        if variant.code in devices_by_code:
-            message = f"the order code {variant.code} also belongs to '{devices_by_code[variant.code].name}'"
+        if variant.code in device_by_code:
+            message = f"the order code {variant.code} also belongs to '{device_by_code[variant.code].name}'"
             report.add("order-code-ambiguous", document, ("order_code", "pattern"), message)
             return

@@ -56,7 +56,7 @@ class ExclusiveFacts:
     #: The kind of the facts with an article, such as ``a clock``.
     noun: str
     #: Each fact with its path in the spec.
-    facts: Sequence[tuple[Path, Restricted]]
+    paths_and_facts: Sequence[tuple[Path, Restricted]]
     #: The order codes of the interface or of the device.
     codes: Sequence[str]
     #: Short name of the interface, or "" for facts of the device.
@@ -73,7 +73,7 @@ def check_facts_by_code(raw_spec: Raw, device: Device, report: DocumentReport) -
         return
     for exclusive_facts in _all_exclusive_facts(raw_spec, device, report):
         # ``only`` of a fact lists the order codes that it applies to. It is "" if the fact applies to all of them.
-        depend_on_code = any(fact.only for _, fact in exclusive_facts.facts)
+        depend_on_code = any(fact.only for _, fact in exclusive_facts.paths_and_facts)
         if depend_on_code or not exclusive_facts.has_other_rules:
             _check_unused(exclusive_facts, report)
             _check_overlaps(exclusive_facts, report)
@@ -82,14 +82,14 @@ def check_facts_by_code(raw_spec: Raw, device: Device, report: DocumentReport) -
 
 def _all_exclusive_facts(raw_spec: Raw, device: Device, report: DocumentReport) -> Iterator[ExclusiveFacts]:
     """Yield the facts of the interfaces and of the device, grouped by kind and name."""
-    all_codes = _codes_of(device.variants)
+    all_order_codes = _codes_of(device.variants)
     for interface in device.interfaces:
         raw_interface = raw_spec["interfaces"][interface.name]
-        codes = _codes_of(device.variants_over(interface.name))
-        yield from _facts_of_interface(raw_interface, interface, codes, report)
-    yield from _group_by_name(device.timings, noun="a timing", path=("timings",), codes=all_codes)
+        order_codes = _codes_of(device.variants_over(interface.name))
+        yield from _facts_of_interface(raw_interface, interface, order_codes, report)
+    yield from _group_by_name(device.timings, noun="a timing", path=("timings",), codes=all_order_codes)
     yield from _group_by_name(
-        device.characteristics, noun="a characteristic", path=("characteristics",), codes=all_codes
+        device.characteristics, noun="a characteristic", path=("characteristics",), codes=all_order_codes
     )
 
 
@@ -104,46 +104,48 @@ def _facts_of_interface(
 
     These are clocks, timeouts, clock limits for the same cable length, and timings with the same name.
     """
-    path = ("interfaces", interface.name)
+    interface_path = ("interfaces", interface.name)
     if isinstance(interface, Clocked):
-        clocks = _with_paths(raw_interface, (*path, "clock"), interface.clocks)
+        clocks = _with_paths(raw_interface, (*interface_path, "clock"), interface.clocks)
         # If invalid entries were removed, an order code may only seem to have no clock.
-        is_complete = (*path, "clock") not in report.document.kept_indices
+        is_complete = (*interface_path, "clock") not in report.document.kept_indices
         yield ExclusiveFacts(
-            noun="a clock", facts=clocks, codes=codes, interface=interface.short, is_needed=is_complete
+            noun="a clock", paths_and_facts=clocks, codes=codes, interface=interface.short, is_needed=is_complete
         )
     if isinstance(interface, Biss):
-        timeouts = _with_paths(raw_interface, (*path, "timeout"), interface.timeouts)
-        is_excused = is_explained_at(report.document, *path, "timeout")
-        is_complete = (*path, "timeout") not in report.document.kept_indices
+        timeouts = _with_paths(raw_interface, (*interface_path, "timeout"), interface.timeouts)
+        is_explained_by_erratum = is_explained_at(report.document, *interface_path, "timeout")
+        is_complete = (*interface_path, "timeout") not in report.document.kept_indices
         yield ExclusiveFacts(
             noun="a timeout",
-            facts=timeouts,
+            paths_and_facts=timeouts,
             codes=codes,
             interface=interface.short,
-            is_needed=is_complete and not is_excused,
+            is_needed=is_complete and not is_explained_by_erratum,
         )
     if isinstance(interface, Ssi):
-        rows = _with_paths(raw_interface, (*path, "cable_lengths"), interface.cable_lengths)
+        paths_and_rows = _with_paths(raw_interface, (*interface_path, "cable_lengths"), interface.cable_lengths)
         # The rows of a cable length, each with its path. Usually there is one.
-        rows_by_length: dict[int, list[tuple[Path, Restricted]]] = {}
-        for path_and_row, row in zip(rows, interface.cable_lengths, strict=True):
-            rows_by_length.setdefault(row.shorter_than_m, []).append(path_and_row)
-        for length, rows_of_length in rows_by_length.items():
-            noun = f"a clock for cables shorter than {length} m"
+        rows_by_cable_length: dict[int, list[tuple[Path, Restricted]]] = {}
+        for path_and_row, row in zip(paths_and_rows, interface.cable_lengths, strict=True):
+            rows_by_cable_length.setdefault(row.shorter_than_m, []).append(path_and_row)
+        for cable_length, cable_rows in rows_by_cable_length.items():
+            noun = f"a clock for cables shorter than {cable_length} m"
             yield ExclusiveFacts(
-                noun=noun, facts=rows_of_length, codes=codes, interface=interface.short, has_other_rules=True
+                noun=noun, paths_and_facts=cable_rows, codes=codes, interface=interface.short, has_other_rules=True
             )
-    yield from _group_by_name(interface.timings, noun="a timing", path=(*path, "timings"), codes=codes)
+    yield from _group_by_name(interface.timings, noun="a timing", path=(*interface_path, "timings"), codes=codes)
 
 
-def _with_paths(raw: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
+def _with_paths(
+    raw_parent: Raw, key_path: tuple[str, ...], facts: Sequence[Restricted]
+) -> list[tuple[Path, Restricted]]:
     """Return facts with their paths in the spec. A single fact may be written without a list."""
-    key = path[-1]
-    is_single = isinstance(raw.get(key), Mapping)
+    spec_key = key_path[-1]
+    is_single = isinstance(raw_parent.get(spec_key), Mapping)
     if is_single:
-        return [(path, fact) for fact in facts]
-    return [((*path, index), fact) for index, fact in enumerate(facts)]
+        return [(key_path, fact) for fact in facts]
+    return [((*key_path, fact_index), fact) for fact_index, fact in enumerate(facts)]
 
 
 class _Named(Restricted, Protocol):
@@ -159,13 +161,13 @@ def _group_by_name(facts: Sequence[_Named], *, noun: str, path: Path, codes: Seq
     ``path`` is the path of the list of facts, and ``noun`` is ``a timing`` or the like.
     """
     facts_by_name: dict[str, list[tuple[Path, Restricted]]] = {}
-    for index, fact in enumerate(facts):
-        path_and_fact = ((*path, index), fact)
+    for fact_index, fact in enumerate(facts):
+        path_and_fact = ((*path, fact_index), fact)
         facts_by_name.setdefault(fact.name, []).append(path_and_fact)
-    for name, facts_with_name in facts_by_name.items():
+    for shared_name, facts_with_name in facts_by_name.items():
         if len(facts_with_name) > 1:
-            named_noun = f"{noun} {quoted(name)}"
-            yield ExclusiveFacts(noun=named_noun, facts=facts_with_name, codes=codes, has_other_rules=True)
+            named_noun = f"{noun} {quoted(shared_name)}"
+            yield ExclusiveFacts(noun=named_noun, paths_and_facts=facts_with_name, codes=codes, has_other_rules=True)
 
 
 def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
@@ -174,12 +176,12 @@ def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> No
     is_other_edition = bool(report.document.family)
     if is_other_edition or not exclusive_facts.interface:
         return
-    for path, fact in exclusive_facts.facts:
-        if _is_reported((*path, "only"), report):
+    for fact_path, fact in exclusive_facts.paths_and_facts:
+        if _is_reported((*fact_path, "only"), report):
             continue
         if fact.only and not any(applies_to_code(fact.only, code) for code in exclusive_facts.codes):
             message = f"no order code with {exclusive_facts.interface} matches {quoted(fact.only)}"
-            report.add("only-codes", (*path, "only"), f"{message}; correct the pattern, or remove the entry")
+            report.add("only-codes", (*fact_path, "only"), f"{message}; correct the pattern, or remove the entry")
 
 
 def _is_reported(path: Path, report: DocumentReport) -> bool:
@@ -189,31 +191,31 @@ def _is_reported(path: Path, report: DocumentReport) -> bool:
 
 def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
     """Report pairs of facts of a kind that apply to the same order code."""
-    for (first_path, first), (path, fact) in combinations(exclusive_facts.facts, 2):
-        codes_of_first = [code for code in exclusive_facts.codes if applies_to_code(first.only, code)]
-        common_codes = [code for code in codes_of_first if applies_to_code(fact.only, code)]
+    for (first_path, first_fact), (second_path, second_fact) in combinations(exclusive_facts.paths_and_facts, 2):
+        codes_of_first = [code for code in exclusive_facts.codes if applies_to_code(first_fact.only, code)]
+        common_codes = [code for code in codes_of_first if applies_to_code(second_fact.only, code)]
         if common_codes:
             line, _ = report.document.position(first_path)
-            have = "has" if len(common_codes) == 1 else "have"
-            message = f"{_codes_text(common_codes)} already {have} {exclusive_facts.noun}, on line {line}"
-            place = (*path, "only") if fact.only else path
-            report.add("only-overlap", place, f"{message}; give each order code exactly one with 'only'")
+            has_or_have = "has" if len(common_codes) == 1 else "have"
+            message = f"{_codes_text(common_codes)} already {has_or_have} {exclusive_facts.noun}, on line {line}"
+            problem_path = (*second_path, "only") if second_fact.only else second_path
+            report.add("only-overlap", problem_path, f"{message}; give each order code exactly one with 'only'")
 
 
 def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
     """Report the order codes that none of the facts applies to, if each order code needs one."""
     if not exclusive_facts.is_needed:
         return
-    facts = [fact for _, fact in exclusive_facts.facts]
+    facts = [fact for _, fact in exclusive_facts.paths_and_facts]
     # A wrong pattern has been reported. It was probably meant for the order codes without a fact.
-    has_wrong_pattern = any(_is_reported((*path, "only"), report) for path, _ in exclusive_facts.facts)
+    has_wrong_pattern = any(_is_reported((*path, "only"), report) for path, _ in exclusive_facts.paths_and_facts)
     if not facts or has_wrong_pattern:
         return
-    codes_without = [code for code in exclusive_facts.codes if not facts_for_code(facts, code)]
-    if codes_without:
-        last_path, _ = exclusive_facts.facts[-1]
+    codes_without_fact = [code for code in exclusive_facts.codes if not facts_for_code(facts, code)]
+    if codes_without_fact:
+        last_path, _ = exclusive_facts.paths_and_facts[-1]
         noun = exclusive_facts.noun.removeprefix("a ")
-        message = f"{_codes_text(codes_without)} {_has_or_have(codes_without)} no {noun}"
+        message = f"{_codes_text(codes_without_fact)} {_has_or_have(codes_without_fact)} no {noun}"
         remedy = "extend 'only', or add an entry for other order codes"
         if noun == "timeout":
             remedy += ". If the manual gives none for them, add an erratum that affects interfaces.biss.timeout"
@@ -271,34 +273,34 @@ def check_unused_parameters(raw_spec: Raw, variants: Sequence[Variant], report: 
         return
     used_names = {*_names_in_expressions(raw_spec), *parameters_of_flags(raw_spec, variants)}
     names_set_by_codes = names_set_by_order_codes(raw_spec)
-    for name, definition in raw_spec["parameters"].items():
-        is_printed_number = "equals" in definition and "source" in definition
-        if name in used_names or is_printed_number:
+    for parameter_name, raw_parameter in raw_spec["parameters"].items():
+        is_printed_number = "equals" in raw_parameter and "source" in raw_parameter
+        if parameter_name in used_names or is_printed_number:
             continue
-        problem = f"nothing depends on {quoted(name)}"
-        if name in names_set_by_codes:
-            problem += _values_text(name, variants)
+        problem = f"nothing depends on {quoted(parameter_name)}"
+        if parameter_name in names_set_by_codes:
+            problem += _values_text(parameter_name, variants)
         remedy = "use it, for example in 'bits' of a field, or remove it"
-        if "equals" in definition:
+        if "equals" in raw_parameter:
             remedy += ". If the manual names this number, add its 'source'"
-        report.add("unused-parameter", ("parameters", name), f"{problem}; {remedy}", at_key=True)
+        report.add("unused-parameter", ("parameters", parameter_name), f"{problem}; {remedy}", at_key=True)
 
 
 def _names_in_expressions(raw_spec: Raw) -> Iterator[str]:
     """Yield the names of the parameters in the expressions of a spec, and in verdicts that depend on an answer."""
-    for path, value in leaves(raw_spec):
-        if path[-1] in EXPRESSION_KEYS and isinstance(value, str):
+    for path, spec_value in leaves(raw_spec):
+        if path[-1] in EXPRESSION_KEYS and isinstance(spec_value, str):
             try:
-                yield from Expression.parse(value).parameters
+                yield from Expression.parse(spec_value).parameters
             except ExpressionError:
                 continue  # This is the value of a text field.
         elif "makes_position_if" in path:
             yield str(path[-1])
 
 
-def _values_text(name: str, variants: Sequence[Variant]) -> str:
+def _values_text(parameter_name: str, variants: Sequence[Variant]) -> str:
     """Return a text on the values that order codes set a parameter to: ``, which order codes set to 0 or 1``."""
-    values = sorted({variant.parameters[name] for variant in variants})
+    values = sorted({variant.parameters[parameter_name] for variant in variants})
     if not values:
         return ""
     if len(values) > _MAX_VALUES:
@@ -314,19 +316,19 @@ def check_limits_in_procedures(device: Device, report: DocumentReport) -> None:
     """
     built_registers = {register.name for register in device.registers}
     for procedure in device.procedures:
-        for index, step in enumerate(procedure.steps):
+        for step_index, step in enumerate(procedure.steps):
             changed_names = {parameter.name for parameter in _parameters_changed(device, step)}
             if not changed_names:
                 continue
-            for argument in _arguments_written(procedure, procedure.steps[index + 1 :]):
+            for argument in _arguments_written(procedure, procedure.steps[step_index + 1 :]):
                 if argument.of not in built_registers:
                     continue
                 limiting_names = _limiting_names(device, argument) & changed_names
                 if limiting_names:
-                    effect = f"this changes {quoted(min(limiting_names))}, which limits the later argument"
+                    effect_text = f"this changes {quoted(min(limiting_names))}, which limits the later argument"
                     remedy = "write an argument to the whole register, or divide the steps into two procedures"
-                    message = f"{effect} {quoted(argument.name)}; {remedy}"
-                    report.add("limit-changed", ("procedures", procedure.name, "steps", index), message)
+                    message = f"{effect_text} {quoted(argument.name)}; {remedy}"
+                    report.add("limit-changed", ("procedures", procedure.name, "steps", step_index), message)
                     break
 
 
@@ -409,9 +411,14 @@ def list_variants(
     if not order_code.parts:
         return ()
     variants = []
-    for code, values_by_part, interface, set_values in listed_codes(order_code):
-        parameters = resolve_parameters({**default_values, **set_values}, definitions)
+    for order_code_text, values_by_part, interface, values_set_by_code in listed_codes(order_code):
+        parameters = resolve_parameters({**default_values, **values_set_by_code}, definitions)
         variants.append(
-            Variant(code=code, parts=MappingProxyType(dict(values_by_part)), interface=interface, parameters=parameters)
+            Variant(
+                code=order_code_text,
+                parts=MappingProxyType(dict(values_by_part)),
+                interface=interface,
+                parameters=parameters,
+            )
         )
     return tuple(variants)

@@ -68,34 +68,34 @@ def change_title(layer_words: str, changed_places: Sequence[str]) -> str:
     return f"{layer_words}: {join_words(part_names)}"
 
 
-def _place_name(place: str) -> str:
+def _place_name(path_text: str) -> str:
     """Return the name of the part at a path in words, such as ``preset max`` for ``registers.preset.max: 15``.
 
     Steps of the path that only lead to named items are left out. The section is also left out if its items are known by
     their own names. A final key comes first: ``note on configuration``. A sentence is returned as it is.
     """
-    path = _PATH_IN_TITLE.fullmatch(place)
-    if path is None:
-        return place
-    steps = [_LIST_POSITION.sub("", step) for step in path[1].split(".") if step not in _STEPS_LEFT_OUT]
-    section, *names = steps  # For registers.preset.max, the section is registers.
-    if section == "order_code" and names:
-        is_spelling = names[0] == "also_written"
-        part_name = "other spellings" if is_spelling else _steps_in_words(names[0])
+    path_match = _PATH_IN_TITLE.fullmatch(path_text)
+    if path_match is None:
+        return path_text
+    steps = [_LIST_POSITION.sub("", step) for step in path_match[1].split(".") if step not in _STEPS_LEFT_OUT]
+    section, *named_steps = steps  # For registers.preset.max, the section is registers.
+    if section == "order_code" and named_steps:
+        is_spelling = named_steps[0] == "also_written"
+        part_name = "other spellings" if is_spelling else _steps_in_words(named_steps[0])
         return f"order code ({part_name})"
-    if not names or section not in _SECTIONS_OF_NAMED_ITEMS:
-        names = steps
-    if section == "field_groups" and len(names) > 1:
-        names = names[1:]  # A field of a group is known without the name of the group.
-    if len(names) > 1 and names[-1] in _KEY_PHRASES:
-        *owner_names, key = names
-        return _KEY_PHRASES[key].format(_steps_in_words(*owner_names))
-    if section == "connectors" and len(names) > 1:
-        connector, contact = names[:2]
+    if not named_steps or section not in _SECTIONS_OF_NAMED_ITEMS:
+        named_steps = steps
+    if section == "field_groups" and len(named_steps) > 1:
+        named_steps = named_steps[1:]  # A field of a group is known without the name of the group.
+    if len(named_steps) > 1 and named_steps[-1] in _KEY_PHRASES:
+        *owner_names, last_step = named_steps
+        return _KEY_PHRASES[last_step].format(_steps_in_words(*owner_names))
+    if section == "connectors" and len(named_steps) > 1:
+        connector, contact = named_steps[:2]
         return f"contact {contact} of the {_steps_in_words(connector)}"
     if section == "examples":
-        return f"example {_steps_in_words(*names)}"
-    return _steps_in_words(*names)
+        return f"example {_steps_in_words(*named_steps)}"
+    return _steps_in_words(*named_steps)
 
 
 def _steps_in_words(*steps: str) -> str:
@@ -121,7 +121,7 @@ class Family:
     document: Document
     files: frozenset[str]
     #: The same family without its overlays, or None if it has none.
-    plain: Family | None = None
+    without_overlays: Family | None = None
     #: Content of all files on which the device depends, from which the key of a cached result is computed. It is empty
     #: for a family with overlays, and if a file changed while it was read.
     content: Sequence[bytes | str] = ()
@@ -134,12 +134,13 @@ def is_overlay(document: Document) -> bool:
 
 def overlays_beside(documents: Iterable[Document]) -> list[Path]:
     """Return the files next to specs that are overlays by their names, such as ``FAMILY.overlay.yaml``."""
-    overlays: list[Path] = []
+    overlay_paths: list[Path] = []
     for document in documents:
-        spec = Path(document.file)
-        if "device" in document.data and spec.parent.is_dir():
-            overlays += sorted(path for path in spec.parent.iterdir() if _is_overlay_of(path, spec))
-    return overlays
+        spec_path = Path(document.file)
+        is_spec = "device" in document.data  # Otherwise it is the file of a manufacturer.
+        if is_spec and spec_path.parent.is_dir():
+            overlay_paths += sorted(path for path in spec_path.parent.iterdir() if _is_overlay_of(path, spec_path))
+    return overlay_paths
 
 
 def _is_overlay_of(path: Path, spec: Path) -> bool:
@@ -167,21 +168,23 @@ def apply_overlays(
     _report_unknown_families(valid_overlays, families_by_name, report)
     _report_repeated_names(valid_overlays, report)
     resulting_families: list[Family] = []
-    for name, family in families_by_name.items():
+    for family_name, family in families_by_name.items():
         # The files of a family include those of all its corrections. If one of them has a problem, the family counts as
         # faulty, so that a family without all of its corrections is not used.
-        files_of_corrections = {overlay.file for overlay in overlays if _is_correction_of(name, overlay)}
+        files_of_corrections = {overlay.file for overlay in overlays if _is_correction_of(family_name, overlay)}
         family_with_files = replace(family, files=family.files | files_of_corrections)
-        overlays_of_family = [overlay for overlay in valid_overlays if overlay.data["of"] == name]
+        overlays_of_family = [overlay for overlay in valid_overlays if overlay.data["of"] == family_name]
         corrections = [overlay for overlay in overlays_of_family if "applies_to" not in overlay.data]
         corrected_family = None
         if corrections:
             corrected_family = _apply_overlays(family_with_files, corrections, "", build, report)
         resulting_families.append(corrected_family or family_with_files)
         for special_family in _special_families(family_with_files, overlays_of_family, corrections, build, report):
-            special = special_family.device.name.removeprefix(f"{name}_")
-            files = {overlay.file for overlay in overlays if _is_for_special_model(name, special, overlay)}
-            resulting_families.append(replace(special_family, files=special_family.files | files))
+            special_name = special_family.device.name.removeprefix(f"{family_name}_")
+            files_of_special = {
+                overlay.file for overlay in overlays if _is_for_special_model(family_name, special_name, overlay)
+            }
+            resulting_families.append(replace(special_family, files=special_family.files | files_of_special))
     return sorted(resulting_families, key=lambda family: family.device.name)
 
 
@@ -215,24 +218,24 @@ def _special_families(
 
     ``corrections`` are the overlays for the whole family. They are applied first.
     """
-    overlays_by_special: dict[str, list[Document]] = {}
+    overlays_by_special_name: dict[str, list[Document]] = {}
     for overlay in overlays:
         if "applies_to" in overlay.data:
-            overlays_by_special.setdefault(overlay.data["applies_to"]["special"], []).append(overlay)
-    for special, special_overlays in overlays_by_special.items():
-        special_family = _apply_overlays(family, [*corrections, *special_overlays], special, build, report)
+            overlays_by_special_name.setdefault(overlay.data["applies_to"]["special"], []).append(overlay)
+    for special_name, special_overlays in overlays_by_special_name.items():
+        special_family = _apply_overlays(family, [*corrections, *special_overlays], special_name, build, report)
         if special_family is not None:
             yield special_family
 
 
 def _report_repeated_names(overlays: Sequence[Document], report: ProblemReport) -> None:
     """Report each overlay with the name of an earlier overlay."""
-    first_overlays: dict[str, Document] = {}
+    first_overlay_by_name: dict[str, Document] = {}
     for overlay in overlays:
-        name = overlay.data["overlay"]
-        first_overlay = first_overlays.setdefault(name, overlay)
+        overlay_name = overlay.data["overlay"]
+        first_overlay = first_overlay_by_name.setdefault(overlay_name, overlay)
         if first_overlay is not overlay:
-            message = f"{Path(first_overlay.file).name} is also called {quoted(name)}"
+            message = f"{Path(first_overlay.file).name} is also called {quoted(overlay_name)}"
             report.add("duplicate-name", overlay, ("overlay",), message)
 
 
@@ -241,23 +244,23 @@ def _layer_of(overlay: Document) -> OverlayLayer:
 
 
 def _apply_overlays(
-    family: Family, overlays: Sequence[Document], special: str, build: Build, report: ProblemReport
+    family: Family, overlays: Sequence[Document], special_name: str, build: Build, report: ProblemReport
 ) -> Family | None:
     """Return the family that results from applying overlays to a family, or None if it cannot be built.
 
-    ``special`` is the special model, such as ``S123``, or "" if the overlays correct the family itself. Each applied
-    change is added to the errata of the family.
+    ``special_name`` is the special model, such as ``S123``, or "" if the overlays correct the family itself. Each
+    applied change is added to the errata of the family.
     """
     layered_spec = LayeredSpec(family.document, report)
-    problems_before = len(report)
+    problem_count_before = len(report)
     layered_spec.apply([_layer_of(overlay) for overlay in overlays])
-    name_of_special = f"{family.device.name}_{special.lower()}" if special else ""  # For example x_24_s123.
+    name_of_special = f"{family.device.name}_{special_name.lower()}" if special_name else ""  # For example x_24_s123.
     document = layered_spec.document(name_of_special)
-    inner_report = ProblemReport()
-    device = build(document, inner_report)
+    report_of_result = ProblemReport()
+    device = build(document, report_of_result)
     # If a change could not be applied, problems of the result may only follow from it.
-    if len(report) == problems_before:
-        _report_in_overlay(inner_report, family.document, overlays[-1], report)
+    if len(report) == problem_count_before:
+        _report_in_overlay(report_of_result, family.document, overlays[-1], report)
     if device is None:
         return None
     # ``build`` does not add the errata about other editions.
@@ -266,15 +269,15 @@ def _apply_overlays(
         device,
         errata=(*device.errata, *errata_of_editions, *errata_of(layered_spec.applied)),
         overlays=tuple(_build_overlay(overlay) for overlay in overlays),
-        title=f"{device.title}, special models /{special}" if special else device.title,
-        base=family.device.name if special else "",
+        title=f"{device.title}, special models /{special_name}" if special_name else device.title,
+        base=family.device.name if special_name else "",
         times_read=family.device.times_read,
         releases=family.device.releases,
     )
-    if special:
+    if special_name:
         device = _reduce_to_listed_codes(device, overlays, report)
     files = family.files | {overlay.file for overlay in overlays}
-    return Family(device=device, document=document, files=files, plain=None if special else family)
+    return Family(device=device, document=document, files=files, without_overlays=None if special_name else family)
 
 
 def _build_overlay(document: Document) -> Overlay:
@@ -289,41 +292,41 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
     In an overlay, each change is one erratum. In an edition, a change can name several places, and all of them are one
     erratum.
     """
-    errata_counts: Counter[str] = Counter()
+    erratum_count_by_layer: Counter[str] = Counter()
     for _, changes_of_erratum in groupby(applied_changes, key=_erratum_key):
         changes = list(changes_of_erratum)
         layer_name = changes[0].layer.name
-        errata_counts[layer_name] += 1
-        yield _erratum_of_changes(changes, errata_counts[layer_name])
+        erratum_count_by_layer[layer_name] += 1
+        yield _erratum_of_changes(changes, erratum_count_by_layer[layer_name])
 
 
-def _erratum_of_changes(changes: Sequence[AppliedChange], number: int) -> Erratum:
+def _erratum_of_changes(changes: Sequence[AppliedChange], erratum_number: int) -> Erratum:
     """Return changes that one entry in a spec or overlay makes as an erratum with this number."""
     first_change = changes[0]
-    kind = first_change.layer.kind.value
-    name = first_change.layer.name
-    definition = {"severity": "wrong_data", **first_change.raw}
+    layer_kind = first_change.layer.kind.value
+    layer_name = first_change.layer.name
+    raw_change = {"severity": "wrong_data", **first_change.raw}
     # The schema reports keys that are missing.
     stated_facts: dict[str, object] = {}
     for key in ("severity", "why", "source"):
-        if key in definition:
-            stated_facts[key] = definition[key]
+        if key in raw_change:
+            stated_facts[key] = raw_change[key]
     new_values = join_shortened([change.now for change in changes if change.now]) or LEFT_OUT
     former_texts = without_examples([change.was for change in changes])
     affected_paths: list[str] = []
     for change in changes:
         affected_paths += change.affects
-    name_of_layer = _NOT_IN_NAMES.sub("_", f"{kind}_{name}".removeprefix("overlay_"))
+    name_prefix = _NOT_IN_NAMES.sub("_", f"{layer_kind}_{layer_name}".removeprefix("overlay_"))
     return build_part(
         Erratum,
         stated_facts,
-        name=f"{name_of_layer}_{number}",
-        title=change_title(_layer_words(kind, name), former_texts),
+        name=f"{name_prefix}_{erratum_number}",
+        title=change_title(_layer_words(layer_kind, layer_name), former_texts),
         printed=join_shortened(former_texts),
         used=new_values if first_change.is_known else NOT_KNOWN,
         status="settled" if first_change.is_known else "open",
         affects=tuple(dict.fromkeys(affected_paths)),
-        **{kind: name},
+        **{layer_kind: layer_name},
     )
 
 
@@ -355,10 +358,10 @@ def join_shortened(names: Sequence[str]) -> str:
     If there are more than nine names, the text lists the first eight and the number of the others: ``and 3 more``.
     """
     unique_names = list(dict.fromkeys(names))
-    omitted_count = len(unique_names) - _MAX_NAMES
-    if omitted_count < 2:  # "and 1 more" is as long as a name.
+    remaining_count = len(unique_names) - _MAX_NAMES
+    if remaining_count < 2:  # "and 1 more" is as long as a name.
         return ", ".join(unique_names)
-    return f"{', '.join(unique_names[:_MAX_NAMES])} and {omitted_count} more"
+    return f"{', '.join(unique_names[:_MAX_NAMES])} and {remaining_count} more"
 
 
 def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report: ProblemReport) -> Device:
@@ -369,28 +372,32 @@ def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report
     known_codes = {variant.code for variant in device.variants}
     selected_codes: set[str] = set()
     for overlay in overlays:
-        for index, code in enumerate(overlay.data.get("applies_to", {}).get("order_codes", ())):
-            if code in known_codes:
-                selected_codes.add(code)
+        for code_index, order_code in enumerate(overlay.data.get("applies_to", {}).get("order_codes", ())):
+            if order_code in known_codes:
+                selected_codes.add(order_code)
                 continue
-            message = f"{quoted(code)} is not a listed order code of the family{suggest_word(code, known_codes)}"
-            report.add("undefined-reference", overlay, ("applies_to", "order_codes", index), message)
+            message = (
+                f"{quoted(order_code)} is not a listed order code of the family{suggest_word(order_code, known_codes)}"
+            )
+            report.add("undefined-reference", overlay, ("applies_to", "order_codes", code_index), message)
     return for_codes(device, selected_codes) if selected_codes else device
 
 
-def _report_in_overlay(inner_report: ProblemReport, spec: Document, overlay: Document, report: ProblemReport) -> None:
+def _report_in_overlay(
+    report_of_result: ProblemReport, spec: Document, overlay: Document, report: ProblemReport
+) -> None:
     """Report the problems that only occur after applying an overlay to a spec.
 
     Problems in the spec are reported at the name of the overlay, with their place in the spec as part of the message.
     Other problems are reported at their own places.
     """
-    reported = set(report.problems)
-    for problem in inner_report.problems:
-        if problem.file == spec.file and problem not in reported:
+    reported_before = set(report.problems)
+    for problem in report_of_result.problems:
+        if problem.file == spec.file and problem not in reported_before:
             spec_name = Path(spec.file).name
             location = f"{spec_name}:{problem.line}, {problem.path}" if problem.path else spec_name
             _report_problem(problem, overlay, f"with this overlay, {location}: {problem.message}", report)
-        elif problem not in reported:
+        elif problem not in reported_before:
             report.add_problem(replace(problem, cause=""))
 
 

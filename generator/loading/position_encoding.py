@@ -35,10 +35,10 @@ def check_gray_positions(device: Device, report: DocumentReport) -> None:
                 variants = _gray_variants(device, interface, layout, names_at_run_time)
                 problem = _problem_of_counts(layout, measurement, variants)
             if problem is not None:
-                path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
+                gray_path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
                 is_about_gray = not problem.key
-                place = path if is_about_gray else (*path, problem.key)
-                report.add("gray-excess", place, problem.message, at_key=is_about_gray)
+                problem_path = gray_path if is_about_gray else (*gray_path, problem.key)
+                report.add("gray-excess", problem_path, problem.message, at_key=is_about_gray)
 
 
 def _gray_variants(
@@ -66,11 +66,11 @@ def _is_in_gray(layout: Layout, measurement: Measurement) -> bool:
 
 def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
     """Return whether the number in Gray code is the whole position within one turn, in one unsigned field."""
-    names = layout.field_names_of(layout.gray_of)
-    is_position = names == layout.field_names_of(measurement.position_name)
-    if len(names) != 1 or not is_position or measurement.turns != Expression(1):
+    coded_names = layout.field_names_of(layout.gray_of)
+    is_position = coded_names == layout.field_names_of(measurement.position_name)
+    if len(coded_names) != 1 or not is_position or measurement.turns != Expression(1):
         return False
-    kind = layout.field(names[0]).kind
+    kind = layout.field(coded_names[0]).kind
     return isinstance(kind, Number) and not kind.signed and not kind.zero_means
 
 
@@ -90,10 +90,10 @@ def _reason_against_excess(
     if measurement.highest is not None or layout.position_range is not None:
         problem = "'excess' is only for positions from 0 to 'counts_per_turn' - 1"
         return KeyProblem("excess", f"{problem}; remove 'highest' and 'position_range', or remove 'excess'")
-    names = set(layout.gray_excess.parameters)
+    parameter_names = set(layout.gray_excess.parameters)
     if measurement.counts_per_turn is not None:
-        names.update(measurement.counts_per_turn.parameters)
-    variable_names = sorted(names.intersection(names_at_run_time))
+        parameter_names.update(measurement.counts_per_turn.parameters)
+    variable_names = sorted(parameter_names.intersection(names_at_run_time))
     if variable_names:
         problem = f"'{variable_names[0]}' depends on a register, but the excess of an order code is fixed"
         return KeyProblem(
@@ -109,29 +109,29 @@ def _problem_of_counts(layout: Layout, measurement: Measurement, variants: Seque
     in 9 bits, the excess is (512 - 360) / 2 = 76.
     """
     assert measurement.counts_per_turn is not None
-    counts_by_code = {variant.code: measurement.counts_per_turn.value(variant.parameters) for variant in variants}
-    has_common_counts = len(set(counts_by_code.values())) == 1
+    counts_by_order_code = {variant.code: measurement.counts_per_turn.value(variant.parameters) for variant in variants}
+    have_all_same_counts = len(set(counts_by_order_code.values())) == 1
     for variant in variants:
-        counts = counts_by_code[variant.code]
+        counts = counts_by_order_code[variant.code]
         if counts < 1:  # This is reported elsewhere.
             continue
-        bits = (counts - 1).bit_length()
-        correct_excess = ((1 << bits) - counts) // 2
+        bit_count = (counts - 1).bit_length()
+        correct_excess = ((1 << bit_count) - counts) // 2
         stated_excess = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
-        is_odd = counts > 1 and counts & 1 == 1
-        if stated_excess == correct_excess and not is_odd:
+        has_odd_counts = counts > 1 and counts & 1 == 1
+        if stated_excess == correct_excess and not has_odd_counts:
             continue
         needs_excess = not is_power_of_two(counts)
-        if needs_excess and (is_odd or not _is_position_alone(layout, measurement)):
+        if needs_excess and (has_odd_counts or not _is_position_alone(layout, measurement)):
             return KeyProblem("", _no_excess_message(layout, variant, counts))
-        formula = f"(2^{bits} - {counts}) / 2 = {correct_excess}"
+        formula = f"(2^{bit_count} - {counts}) / 2 = {correct_excess}"
         if layout.gray_excess is not None:
             message = f"'excess' is {stated_excess} for {variant.code}; for {counts} counts per turn, it is {formula}"
             return KeyProblem("excess", message)
         remedy = f"write 'excess: {correct_excess}' in 'gray'"
-        if not has_common_counts:
-            values = f"{correct_excess} for this order code and 0 for a power of two"
-            remedy = f"write 'excess: PARAMETER' in 'gray', which is {values}"
+        if not have_all_same_counts:
+            values_text = f"{correct_excess} for this order code and 0 for a power of two"
+            remedy = f"write 'excess: PARAMETER' in 'gray', which is {values_text}"
         message = f"{_counts_text(layout, variant, counts)}, so it is sent in Gray excess, {formula}; {remedy}"
         return KeyProblem("", message)
     return None
@@ -175,18 +175,18 @@ def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
 
     The field must be unsigned, binary and without padding, with a constant width and without a note.
     """
-    names = layout.field_names_of(measurement.position_name)
-    if len(names) != 1:
+    field_names = layout.field_names_of(measurement.position_name)
+    if len(field_names) != 1:
         return None
-    (position_name,) = names
-    field = next((candidate for candidate in layout.fields if candidate.name == position_name), None)
+    (position_name,) = field_names
+    field = next((layout_field for layout_field in layout.fields if layout_field.name == position_name), None)
     if field is None:
         return None
     is_binary = not field.number.signed and not field.kind.digit_code
-    is_plain = field.width.is_constant and not field.note and is_binary
+    is_comparable = field.width.is_constant and not field.note and is_binary
     # The container is 0 for a field without 'padded_to'.
     is_unpadded = field.container in (0, field.width.constant)
-    return field if is_plain and is_unpadded else None
+    return field if is_comparable and is_unpadded else None
 
 
 def _check_width(device: Device, interface: Interface, layout: Layout, field: Field, report: DocumentReport) -> None:
@@ -196,23 +196,29 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
     """
     measurement = device.measurement_of(interface.name)
     assert measurement is not None
-    width = field.width.constant
+    field_width = field.width.constant
     variants = device.variants_over(interface.name)
-    bits_by_code = {variant.code: _needed_bits(measurement, variant) for variant in variants}
-    fewer_bits_by_code = {code: bits for code, bits in bits_by_code.items() if bits is not None and bits < width}
-    needed_widths = set(bits_by_code.values())
-    if not fewer_bits_by_code or any(bits is None or bits > width for bits in needed_widths):
+    needed_bits_by_code = {variant.code: _needed_bits(measurement, variant) for variant in variants}
+    fewer_bits_by_code = {
+        order_code: needed_bits
+        for order_code, needed_bits in needed_bits_by_code.items()
+        if needed_bits is not None and needed_bits < field_width
+    }
+    needed_bit_counts = set(needed_bits_by_code.values())
+    if not fewer_bits_by_code or any(
+        needed_bits is None or needed_bits > field_width for needed_bits in needed_bit_counts
+    ):
         return
-    code, bits = next(iter(fewer_bits_by_code.items()))
-    fills_width = width in needed_widths
-    is_whole_bytes = width % 8 == 0
-    if not fills_width and (is_whole_bytes or len(needed_widths) > 1):
+    order_code, needed_bits = next(iter(fewer_bits_by_code.items()))
+    is_filled_by_some_code = field_width in needed_bit_counts
+    has_whole_bytes = field_width % 8 == 0
+    if not is_filled_by_some_code and (has_whole_bytes or len(needed_bit_counts) > 1):
         return
     owner_path: Path = ("interfaces", interface.name, "layouts", layout.name)
     if field.group:
         owner_path = ("field_groups", field.group)
-    message = f"'{field.name}' always has {width} bits, but the counts of {code} need {bits}"
-    correct_width = _corrected_width(measurement, fills_width, bits)
+    message = f"'{field.name}' always has {field_width} bits, but the counts of {order_code} need {needed_bits}"
+    correct_width = _corrected_width(measurement, is_filled_by_some_code, needed_bits)
     report.add(
         "measurement-does-not-fit",
         (*owner_path, "fields", field.name),
@@ -220,17 +226,17 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
     )
 
 
-def _corrected_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
+def _corrected_width(measurement: Measurement, is_filled_by_some_code: bool, needed_bits: int) -> str:
     """Return the corrected key of a position field that is too wide, such as ``bits: 24``.
 
     If another order code uses all bits of the field, the width must be a parameter. For 2^position_bits counts per
     turn, this is position_bits.
     """
-    if not fills_width:
-        return f"bits: {bits}"
-    counts = measurement.counts_per_turn
-    assert counts is not None
-    counts_text = counts.render()
+    if not is_filled_by_some_code:
+        return f"bits: {needed_bits}"
+    counts_per_turn = measurement.counts_per_turn
+    assert counts_per_turn is not None
+    counts_text = counts_per_turn.render()
     is_power_of_parameter = counts_text.startswith("2^") and counts_text[2:].isidentifier()
     return f"bits: {counts_text[2:]}" if is_power_of_parameter else "bits: PARAMETER"
 

@@ -109,27 +109,27 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, K
         if problem is not None:
             range_path: Path = ("interfaces", interface.name, "layouts", frame.layout.name, "position_range")
             # The layout can have its own range, which replaces numbers of the measurement.
-            range_has_key = getattr(frame.layout.position_range, problem.key, None) is not None
-            yield range_path if range_has_key else measurement_path, problem
+            is_key_of_range = getattr(frame.layout.position_range, problem.key, None) is not None
+            yield range_path if is_key_of_range else measurement_path, problem
 
 
 def _check_scales(device: Device, report: DocumentReport) -> None:
     """Report a ``scale`` for a field of the position, because ``measurement`` already gives its unit."""
-    reported: set[Path] = set()
+    reported_paths: set[Path] = set()
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)
         if measurement is None:
             continue
         for layout in interface.layouts:
-            owner = ("interfaces", interface.name, "layouts", layout.name)
+            layout_path = ("interfaces", interface.name, "layouts", layout.name)
             # The position consists of one or several fields.
             for field in layout.find_fields(layout.field_names_of(measurement.position_name)):
-                owner_of_field = ("field_groups", field.group) if field.group else owner
-                path: Path = (*owner_of_field, "fields", field.name, "scale")
-                if field.scale is not None and path not in reported:
-                    reported.add(path)
+                path_of_owner = ("field_groups", field.group) if field.group else layout_path
+                scale_path: Path = (*path_of_owner, "fields", field.name, "scale")
+                if field.scale is not None and scale_path not in reported_paths:
+                    reported_paths.add(scale_path)
                     message = f"'measurement' already gives the unit of '{field.name}'; remove 'scale'"
-                    report.add("scale-of", path, message, at_key=True)
+                    report.add("scale-of", scale_path, message, at_key=True)
 
 
 def _yield_frames(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_PositionFrame]:
@@ -137,11 +137,11 @@ def _yield_frames(device: Device, interface: Interface, measurement: Measurement
     sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
     for layout in sent_layouts:
         measurement_in_layout = measurement.within(layout.position_range)
-        expressions = _expressions_of(measurement_in_layout)
-        names = layout.field_names_of(measurement.position_name)
+        expression_by_key = _expressions_of(measurement_in_layout)
+        position_names = layout.field_names_of(measurement.position_name)
         for variant in device.variants_over(interface.name):
             position_fields: list[_PositionField] = []
-            for placed_field in layout.place(variant.parameters).find_fields(names):
+            for placed_field in layout.place(variant.parameters).find_fields(position_names):
                 position_fields.append(
                     _PositionField(name=placed_field.name, width=placed_field.width, unit=placed_field.field.unit)
                 )
@@ -151,18 +151,18 @@ def _yield_frames(device: Device, interface: Interface, measurement: Measurement
                 variant=variant,
                 layout=layout,
                 fields=tuple(position_fields),
-                numbers={key: expression.value(variant.parameters) for key, expression in expressions.items()},
+                numbers={key: expression.value(variant.parameters) for key, expression in expression_by_key.items()},
             )
 
 
 def _expressions_of(measurement: Measurement) -> dict[str, Expression]:
     """Return the expressions for the numbers of a measurement, by key, such as ``2^turn_bits`` for ``turns``."""
-    expressions: dict[str, Expression] = {}
+    expression_by_key: dict[str, Expression] = {}
     for key in ("counts_per_turn", "turns", *_KEYS_OF_STEP_LENGTHS, "modulus"):
         expression = getattr(measurement, key)
         if expression is not None:
-            expressions[key] = expression
-    return expressions
+            expression_by_key[key] = expression
+    return expression_by_key
 
 
 def _measurement_problem(frame: _PositionFrame) -> KeyProblem | None:
@@ -187,11 +187,16 @@ def _measurement_problem(frame: _PositionFrame) -> KeyProblem | None:
 
 def _limit_problem(frame: _PositionFrame) -> KeyProblem | None:
     """Return the problem if a number of a measurement is below 1, or a step is too large for C, or None."""
-    for name, value in frame.numbers.items():
-        if value < 1:
-            return KeyProblem(name, f"'{name}' is {value} for {frame.variant.code}; it must be at least 1")
-        if name in _KEYS_OF_STEP_LENGTHS and value > LARGEST:
-            return KeyProblem(name, f"'{name}' is {value} for {frame.variant.code}; it must be at most {LARGEST}")
+    for measurement_key, number in frame.numbers.items():
+        if number < 1:
+            return KeyProblem(
+                measurement_key, f"'{measurement_key}' is {number} for {frame.variant.code}; it must be at least 1"
+            )
+        if measurement_key in _KEYS_OF_STEP_LENGTHS and number > LARGEST:
+            return KeyProblem(
+                measurement_key,
+                f"'{measurement_key}' is {number} for {frame.variant.code}; it must be at most {LARGEST}",
+            )
     return None
 
 
@@ -208,13 +213,13 @@ def _highest_count_problem(frame: _PositionFrame) -> KeyProblem | None:
 
     Numbers that depend on a register are not checked.
     """
-    expressions = _expressions_of(frame.measurement)
-    for name, value in frame.numbers.items():
-        is_number_of_counts = name not in _KEYS_OF_STEP_LENGTHS
-        is_fixed = not _at_run_time(frame.device, expressions[name])
-        if is_fixed and is_number_of_counts and is_probably_highest(value):
-            message = f"'{name}' is {value} for {frame.variant.code}, which is the highest count"
-            return KeyProblem(name, f"{message}; including 0 there are {value + 1}")
+    expression_by_key = _expressions_of(frame.measurement)
+    for measurement_key, number in frame.numbers.items():
+        is_number_of_counts = measurement_key not in _KEYS_OF_STEP_LENGTHS
+        is_fixed = not _at_run_time(frame.device, expression_by_key[measurement_key])
+        if is_fixed and is_number_of_counts and is_probably_highest(number):
+            message = f"'{measurement_key}' is {number} for {frame.variant.code}, which is the highest count"
+            return KeyProblem(measurement_key, f"{message}; including 0 there are {number + 1}")
     return None
 
 
@@ -224,9 +229,9 @@ def _unit_problem(frame: _PositionFrame) -> KeyProblem | None:
     A position that consists of several fields is not checked.
     """
     if "step_um" in frame.numbers:
-        key, step_nm = "step_um", frame.numbers["step_um"] * _NANOMETERS_PER_UNIT["um"]
+        key, stated_step_nm = "step_um", frame.numbers["step_um"] * _NANOMETERS_PER_UNIT["um"]
     elif "step_nm" in frame.numbers:
-        key, step_nm = "step_nm", frame.numbers["step_nm"]
+        key, stated_step_nm = "step_nm", frame.numbers["step_nm"]
     else:
         return None
     if len(frame.fields) != 1:
@@ -236,8 +241,8 @@ def _unit_problem(frame: _PositionFrame) -> KeyProblem | None:
     if unit not in _NANOMETERS_PER_UNIT:
         return None
     # The step is the length of ``per_counts`` counts. The unit of the field is the length of one count.
-    length_by_unit_nm = _NANOMETERS_PER_UNIT[unit] * frame.numbers.get("per_counts", 1)
-    if step_nm == length_by_unit_nm:
+    step_of_unit_nm = _NANOMETERS_PER_UNIT[unit] * frame.numbers.get("per_counts", 1)
+    if stated_step_nm == step_of_unit_nm:
         return None
     message = f"'{key}' is {frame.numbers[key]} for {frame.variant.code}, but '{field.name}' has 'unit: {unit}'"
     return KeyProblem(key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'")
@@ -249,26 +254,26 @@ def _width_problem(frame: _PositionFrame) -> KeyProblem | None:
     If the position consists of several fields, ``highest``, its highest value, must fit too.
     """
     measurement = frame.measurement
-    turns = frame.numbers.get("turns", 1)
-    total_counts = frame.counts * turns
-    turns_text = f" × {turns} turns" if turns > 1 else ""
+    turn_count = frame.numbers.get("turns", 1)
+    total_counts = frame.counts * turn_count
+    turns_text = f" × {turn_count} turns" if turn_count > 1 else ""
     counts_text = f"{frame.counts} counts{turns_text}"
     width_text = (
         f"'{measurement.position_name}' in '{frame.layout.name}' has {frame.width} bits for {frame.variant.code}"
     )
     # A number whose digits are sent separately is always a single field.
-    code = frame.layout.field(frame.fields[0].name).code_of_digits
-    highest_in_bits = (1 << frame.width) - 1 if code is None else code.highest(frame.width)
-    if total_counts > highest_in_bits + 1:
-        end = f" for numbers up to {highest_in_bits} in {code.name}" if code is not None else ""
-        return KeyProblem(frame.counts_key, f"{counts_text} do not fit, because {width_text}{end}")
-    if code is not None:
+    digit_code = frame.layout.field(frame.fields[0].name).code_of_digits
+    highest_that_fits = (1 << frame.width) - 1 if digit_code is None else digit_code.highest(frame.width)
+    if total_counts > highest_that_fits + 1:
+        range_text = f" for numbers up to {highest_that_fits} in {digit_code.name}" if digit_code is not None else ""
+        return KeyProblem(frame.counts_key, f"{counts_text} do not fit, because {width_text}{range_text}")
+    if digit_code is not None:
         return None
     if len(frame.fields) > 1 and measurement.highest is not None:
         highest = measurement.highest.value(frame.variant.parameters)
-        if highest > highest_in_bits:
-            return KeyProblem("highest", f"'highest' is {highest}, but {width_text} and ends at {highest_in_bits}")
-    one_bit_less_is_enough = 2 * total_counts <= highest_in_bits + 1
+        if highest > highest_that_fits:
+            return KeyProblem("highest", f"'highest' is {highest}, but {width_text} and ends at {highest_that_fits}")
+    one_bit_less_is_enough = 2 * total_counts <= highest_that_fits + 1
     if one_bit_less_is_enough and _must_use_all_bits(frame, total_counts):
         message = f"{counts_text} need {(total_counts - 1).bit_length()} bits, but {width_text}"
         return KeyProblem(frame.counts_key, f"{message}; define zeros above a position as a separate field")
@@ -283,17 +288,17 @@ def _must_use_all_bits(frame: _PositionFrame, total_counts: int) -> bool:
     rules have exceptions for positions with ``highest``, which gives the range of the position.
     """
     measurement = frame.measurement
-    fields = [frame.layout.field(position_field.name) for position_field in frame.fields]
-    is_signed = any(field.number.signed for field in fields)
+    position_fields = [frame.layout.field(position_field.name) for position_field in frame.fields]
+    is_signed = any(field.number.signed for field in position_fields)
     wraps_at_power_of_two = frame.counts_key == "modulus" and is_power_of_two(total_counts)
     if wraps_at_power_of_two and not is_signed and measurement.highest is None:
         return True
     if is_signed and measurement.highest:
         return False
-    width_parameters = _parameters_behind(frame.device, *(field.width for field in fields))
-    numbers_of_counts = (measurement.counts_per_turn, measurement.turns, measurement.modulus)
-    stated_numbers = [expression for expression in numbers_of_counts if expression is not None]
-    count_parameters = _parameters_behind(frame.device, *stated_numbers)
+    width_parameters = _determining_parameters(frame.device, *(field.width for field in position_fields))
+    expressions_of_counts = (measurement.counts_per_turn, measurement.turns, measurement.modulus)
+    stated_expressions = [expression for expression in expressions_of_counts if expression is not None]
+    count_parameters = _determining_parameters(frame.device, *stated_expressions)
     return bool(width_parameters) and count_parameters <= width_parameters
 
 
@@ -305,37 +310,43 @@ def _range_problem(frame: _PositionFrame) -> KeyProblem | None:
     measurement = frame.measurement
     if measurement.total is None or len(frame.fields) != 1:
         return None
-    total = measurement.total.value(frame.variant.parameters)
+    total_counts = measurement.total.value(frame.variant.parameters)
     (field,) = frame.fields
     field_text = f"'{field.name}' in '{frame.layout.name}'"
     is_signed = frame.layout.field(field.name).number.signed
     if measurement.highest is None:
-        message = _message_of_signed_range(frame, field_text, total) if is_signed else ""
+        message = _message_of_signed_range(frame, field_text, total_counts) if is_signed else ""
         return KeyProblem(frame.counts_key, message) if message else None
     highest = measurement.highest.value(frame.variant.parameters)
-    lowest = highest - total + 1
+    lowest = highest - total_counts + 1
     # In two's complement, half of the numbers are negative.
     lowest_possible = -(1 << (field.width - 1)) if is_signed else 0
     highest_possible = lowest_possible + (1 << field.width) - 1
     if lowest_possible <= lowest and highest <= highest_possible:
         return None
-    positions = f"positions of {frame.variant.code} are {lowest} to {highest}"
-    possible_range = f"{field_text} holds {lowest_possible} to {highest_possible}"
-    return KeyProblem("highest", f"'highest' is {highest} for {total} counts, so {positions}, but {possible_range}")
+    positions_text = f"positions of {frame.variant.code} are {lowest} to {highest}"
+    possible_range_text = f"{field_text} holds {lowest_possible} to {highest_possible}"
+    return KeyProblem(
+        "highest", f"'highest' is {highest} for {total_counts} counts, so {positions_text}, but {possible_range_text}"
+    )
 
 
-def _message_of_signed_range(frame: _PositionFrame, field_text: str, total: int) -> str:
+def _message_of_signed_range(frame: _PositionFrame, field_text: str, total_counts: int) -> str:
     """Return the message about a signed position without ``highest``, or "" if it does not need this key.
 
     It is not needed if the field can hold exactly as many numbers as there are positions.
     """
-    if not is_power_of_two(total):
-        message = f"{field_text} is signed, and its range does not follow from {total} counts for {frame.variant.code}"
-        return f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
-    uses_all_numbers = total == 1 << frame.width
+    if not is_power_of_two(total_counts):
+        message = (
+            f"{field_text} is signed, and its range does not follow from {total_counts} counts for {frame.variant.code}"
+        )
+        return f"{message}; add 'highest', from which the lowest position follows: highest - {total_counts} + 1"
+    uses_all_numbers = total_counts == 1 << frame.width
     if uses_all_numbers:
         return ""
-    message = f"{field_text} is signed and has {frame.width} bits, but the position wraps around after {total} counts"
+    message = (
+        f"{field_text} is signed and has {frame.width} bits, but the position wraps around after {total_counts} counts"
+    )
     remedy = "'position_range: {wraps: false}' if it never wraps around, otherwise give 'highest'"
     return f"{message} for {frame.variant.code}; give that layout {remedy}"
 
@@ -348,12 +359,12 @@ def _order_problem(frame: _PositionFrame) -> KeyProblem | None:
     """
     if frame.counts_key != "counts_per_turn":
         return None
-    for above, below in pairwise(frame.fields):
-        is_wrong_by_units = below.counts_revolutions and not above.counts_revolutions
+    for upper, lower in pairwise(frame.fields):
+        is_wrong_by_units = lower.counts_revolutions and not upper.counts_revolutions
         if is_wrong_by_units or _is_wrong_by_widths(frame):
             position_name = frame.measurement.position_name
-            message = f"'{position_name}' has '{below.name}', which counts revolutions, below '{above.name}'"
-            return KeyProblem(frame.counts_key, f"{message}; list '{below.name}' first in its 'join'")
+            message = f"'{position_name}' has '{lower.name}', which counts revolutions, below '{upper.name}'"
+            return KeyProblem(frame.counts_key, f"{message}; list '{lower.name}' first in its 'join'")
     return None
 
 
@@ -397,12 +408,12 @@ def _at_run_time(device: Device, expression: Expression) -> bool:
     return not names_from_registers.isdisjoint(device.needed_parameters(expression.parameters))
 
 
-def _parameters_behind(device: Device, *expressions: Expression) -> frozenset[str]:
+def _determining_parameters(device: Device, *expressions: Expression) -> frozenset[str]:
     """Return the parameters that determine these expressions, and that order codes set or registers hold.
 
     A parameter that a formula calculates is replaced by the parameters in the formula.
     """
-    names: list[str] = []
+    parameter_names: list[str] = []
     for expression in expressions:
-        names += expression.parameters
-    return device.needed_parameters(names) - device.definitions.keys()
+        parameter_names += expression.parameters
+    return device.needed_parameters(parameter_names) - device.definitions.keys()

@@ -44,21 +44,25 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
 
     Only the first contradiction of the first order code that has one is reported.
     """
-    default = register.default
-    has_too_many_bits = default is not None and default >> (8 * register.length) != 0
-    if default is None or has_too_many_bits:
+    default_number = register.default
+    has_too_many_bits = default_number is not None and default_number >> (8 * register.length) != 0
+    if default_number is None or has_too_many_bits:
         return  # The check of the limits reports too many bits.
     for variant in device.variants_over(register.interface):
         placed_layout = register.layout.place(variant.parameters)
-        decoded = codec.decode(device, placed_layout, default)
+        decoded = codec.decode(device, placed_layout, default_number)
         # Only constants are checked here. The check of the limits reports numbers without a name.
-        contradictions = [problem.message for problem in decoded.problems if problem.fault is Fault.CONSTANT]
+        contradictions = [
+            first_contradiction.message
+            for first_contradiction in decoded.problems
+            if first_contradiction.fault is Fault.CONSTANT
+        ]
         for placed_field in placed_layout.fields:
-            value = decoded.values.get(placed_field.name)
-            contradictions.append(_describe_contradiction(placed_field, default, value, variant))
-        problem = next(filter(None, contradictions), "")
-        if problem:
-            message = f"the default {default:#x} contradicts a field: {problem}"
+            decoded_value = decoded.values.get(placed_field.name)
+            contradictions.append(_describe_contradiction(placed_field, default_number, decoded_value, variant))
+        first_contradiction = next(filter(None, contradictions), "")
+        if first_contradiction:
+            message = f"the default {default_number:#x} contradicts a field: {first_contradiction}"
             report.add("default-does-not-fit", (*path, "default"), message)
             return
 
@@ -81,35 +85,35 @@ def _check_preset(device: Device, register: Register, path: Path, report: Docume
         counts_expression = measurement.counts_per_turn or measurement.modulus
         if counts_expression is None:
             continue
-        number_of_positions = counts_expression.value(variant.parameters)
+        position_count = counts_expression.value(variant.parameters)
         if measurement.turns is not None:
-            number_of_positions *= measurement.turns.value(variant.parameters)
-        highest = register.max.value(variant.parameters)
-        if highest >= number_of_positions > 1:
-            message = (
-                f"'{register.name}' can be {highest}, but positions of {variant.code} end at {number_of_positions - 1}"
-            )
+            position_count *= measurement.turns.value(variant.parameters)
+        highest_preset = register.max.value(variant.parameters)
+        if highest_preset >= position_count > 1:
+            problem = f"'{register.name}' can be {highest_preset}"
+            message = f"{problem}, but positions of {variant.code} end at {position_count - 1}"
             report.add("limit-does-not-fit", (*path, "max"), f"{message}; the highest is one less than their number")
             return
 
 
 def _describe_contradiction(
-    placed_field: PlacedField, default: int, documented_value: int | str | None, variant: Variant
+    placed_field: PlacedField, default: int, decoded_value: int | str | None, variant: Variant
 ) -> str:
     """Return how the default of a register contradicts one of its fields, or "" if it does not.
 
-    ``default`` is the default of the register, and ``documented_value`` is the decoded value of the field in it, such
+    ``default`` is the default of the register, and ``decoded_value`` is the decoded value of the field in it, such
     as the name of a number.
     """
-    name = placed_field.name
-    number = (default >> placed_field.low) & placed_field.mask
-    expected = placed_field.field.documented(variant.parameters)
-    if expected is not None and expected not in (number, documented_value):
-        expected_text = expected if isinstance(expected, str) else hex(expected)
-        return f"it sets '{name}' to {number:#x}, but '{name}' must equal {expected_text}"
-    own_default = placed_field.field.default
-    if own_default is not None and own_default not in (number, documented_value):
-        return f"it sets '{name}' to {number:#x}, but the default of '{name}' is {own_default:#x}"
+    field_name = placed_field.name
+    number_in_default = (default >> placed_field.low) & placed_field.mask
+    documented = placed_field.field.documented(variant.parameters)
+    default_text = f"it sets '{field_name}' to {number_in_default:#x}"
+    if documented is not None and documented not in (number_in_default, decoded_value):
+        documented_text = documented if isinstance(documented, str) else hex(documented)
+        return f"{default_text}, but '{field_name}' must equal {documented_text}"
+    default_of_field = placed_field.field.default
+    if default_of_field is not None and default_of_field not in (number_in_default, decoded_value):
+        return f"{default_text}, but the default of '{field_name}' is {default_of_field:#x}"
     return ""
 
 
@@ -127,20 +131,20 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
         if register.bank is not None or not variants:
             continue
         # All order codes have the same ID.
-        number, mask = _documented_bits(register, variants[0])
-        bytes_of_register = number_to_bytes(register.layout, number, 8 * register.length)
-        masks_of_bytes = number_to_bytes(register.layout, mask, 8 * register.length)
+        documented_number, documented_mask = _documented_bits(register, variants[0])
+        documented_bytes = number_to_bytes(register.layout, documented_number, 8 * register.length)
+        documented_masks = number_to_bytes(register.layout, documented_mask, 8 * register.length)
         id_bytes: list[int] = []
-        differs = False
-        for address, byte, documented_mask in zip(
-            count(register.address), bytes_of_register, masks_of_bytes, strict=False
+        differs_from_id = False
+        for address, byte, mask_of_byte in zip(
+            count(register.address), documented_bytes, documented_masks, strict=False
         ):
             if address in _BISS_ID:
                 id_bytes.append(byte)
                 different_bits = byte ^ _byte_of_biss_id(biss_id, address)
-                if different_bits & documented_mask:
-                    differs = True
-        if differs:
+                if different_bits & mask_of_byte:
+                    differs_from_id = True
+        if differs_from_id:
             bytes_text = ", ".join(f"{byte:02X}" for byte in id_bytes)
             message = (
                 f"'{register.name}' equals {bytes_text} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
@@ -152,17 +156,17 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
 
 def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
     """Return the documented values of all fields of a register as one number, and a mask of the documented bits."""
-    number = 0
-    mask = 0
+    documented_number = 0
+    documented_mask = 0
     for placed_field in register.layout.place(variant.parameters).fields:
         documented_value = placed_field.field.documented(variant.parameters)
-        is_inside = placed_field.low + placed_field.width <= 8 * register.length
-        if documented_value is not None and is_inside:
+        fits_in_register = placed_field.low + placed_field.width <= 8 * register.length
+        if documented_value is not None and fits_in_register:
             if isinstance(documented_value, str):
                 documented_value = codec.number_of_text(documented_value)
-            number |= (documented_value & placed_field.mask) << placed_field.low
-            mask |= placed_field.mask << placed_field.low
-    return number, mask
+            documented_number |= (documented_value & placed_field.mask) << placed_field.low
+            documented_mask |= placed_field.mask << placed_field.low
+    return documented_number, documented_mask
 
 
 def _check_read_biss_id(device: Device, biss_id: int, report: DocumentReport) -> None:
@@ -176,7 +180,9 @@ def _check_read_biss_id(device: Device, biss_id: int, report: DocumentReport) ->
         if not isinstance(example, RegisterExample) or example.erratum:
             continue
         # Other rules report a register that does not exist or is not valid.
-        register = next((candidate for candidate in device.registers if candidate.name == example.register), None)
+        register = next(
+            (device_register for device_register in device.registers if device_register.name == example.register), None
+        )
         if register is None or register.interface != Biss.name or register.bank is not None:
             continue
         addressed_bytes = enumerate(example.bytes, register.address)
@@ -204,25 +210,27 @@ def _check_meanings(raw_spec: Raw, device: Device, report: DocumentReport) -> No
     """
     built_interfaces = {interface.name for interface in device.interfaces}
     variants = [variant for variant in device.variants if variant.interface in built_interfaces]
-    for index, part in enumerate(raw_spec["order_code"]["parts"]):
-        for text_of_value, value in part["values"].items():
+    for part_index, raw_part in enumerate(raw_spec["order_code"]["parts"]):
+        for text_of_value, raw_value_or_none in raw_part["values"].items():
             # In the spec, a value without properties is empty.
-            raw_value = value or {}
+            raw_value = raw_value_or_none or {}
             named_counts = _counts_in_meaning(_compared_meaning(raw_value))
             if not named_counts or not raw_value.get("sets"):
                 continue
-            variants_of_value = [variant for variant in variants if variant.parts.get(part["name"]) == text_of_value]
-            numbers_of_codes: set[int] = set()
+            variants_of_value = [
+                variant for variant in variants if variant.parts.get(raw_part["name"]) == text_of_value
+            ]
+            numbers_of_order_codes: set[int] = set()
             for variant in variants_of_value:
-                numbers_of_codes |= _numbers_of_code(device, variant)
-            if variants_of_value and numbers_of_codes.isdisjoint(named_counts):
-                settings = ", ".join(f"{name} = {number}" for name, number in raw_value["sets"].items())
+                numbers_of_order_codes |= _numbers_of_code(device, variant)
+            if variants_of_value and numbers_of_order_codes.isdisjoint(named_counts):
+                settings_text = ", ".join(f"{name} = {number}" for name, number in raw_value["sets"].items())
                 message = (
-                    f"the meaning of '{text_of_value}' contains {named_counts[0]:,}, but with {settings}, its order"
-                    f" codes do not have this number{MEANING_DIFFERS}"
+                    f"the meaning of '{text_of_value}' contains {named_counts[0]:,}, but with {settings_text}, its"
+                    f" order codes do not have this number{MEANING_DIFFERS}"
                 )
                 report.add(
-                    "meaning-mismatch", ("order_code", "parts", index, "values", text_of_value, "meaning"), message
+                    "meaning-mismatch", ("order_code", "parts", part_index, "values", text_of_value, "meaning"), message
                 )
 
 
@@ -235,8 +243,8 @@ def _counts_in_meaning(meaning: str) -> list[int]:
         count_texts = [meaning]
     else:
         count_texts = _COUNT_IN_MEANING.findall(meaning)
-    numbers = [int(count_text.replace(",", "")) for count_text in count_texts]
-    return [number for number in numbers if number >= _SMALLEST_COUNT]
+    counts = [int(count_text.replace(",", "")) for count_text in count_texts]
+    return [count for count in counts if count >= _SMALLEST_COUNT]
 
 
 def _compared_meaning(raw_value: Raw) -> str:
@@ -250,35 +258,37 @@ def _check_bits_named(raw_spec: Raw, device: Device, report: DocumentReport) -> 
     The number can be one of these parameters, the sum of them, or the width of the frame or of the position. Meanings
     with several numbers of bits are not checked.
     """
-    units = {parameter.name: parameter.unit for parameter in device.parameters}
+    unit_by_parameter = {parameter.name: parameter.unit for parameter in device.parameters}
     built_interfaces = {interface.name for interface in device.interfaces}
-    for index, part in enumerate(raw_spec["order_code"]["parts"]):
-        for text_of_value, value in part["values"].items():
+    for part_index, raw_part in enumerate(raw_spec["order_code"]["parts"]):
+        for text_of_value, raw_value_or_none in raw_part["values"].items():
             # In the spec, a value without properties is empty.
-            raw_value = value or {}
-            numbers_in_meaning = _BIT_COUNT_IN_TEXT.findall(_compared_meaning(raw_value))
-            bits_by_parameter: dict[str, int] = {}
+            raw_value = raw_value_or_none or {}
+            bit_counts_in_meaning = _BIT_COUNT_IN_TEXT.findall(_compared_meaning(raw_value))
+            bit_count_by_parameter: dict[str, int] = {}
             for parameter_name, number in raw_value.get("sets", {}).items():
-                if units.get(parameter_name) in ("bit", "bits"):
-                    bits_by_parameter[parameter_name] = number
-            if len(numbers_in_meaning) != 1 or not bits_by_parameter:
+                if unit_by_parameter.get(parameter_name) in ("bit", "bits"):
+                    bit_count_by_parameter[parameter_name] = number
+            if len(bit_counts_in_meaning) != 1 or not bit_count_by_parameter:
                 continue
-            named_bits = int(numbers_in_meaning[0])
-            if named_bits in (*bits_by_parameter.values(), sum(bits_by_parameter.values())):
+            named_bit_count = int(bit_counts_in_meaning[0])
+            if named_bit_count in (*bit_count_by_parameter.values(), sum(bit_count_by_parameter.values())):
                 continue
-            variants = [variant for variant in device.variants if variant.parts.get(part["name"]) == text_of_value]
+            variants = [variant for variant in device.variants if variant.parts.get(raw_part["name"]) == text_of_value]
             # An interface with errors was not built, so its frames cannot be compared.
             if not built_interfaces.issuperset(variant.interface for variant in variants):
                 continue
-            if any(named_bits in _frame_and_position_widths(device, variant) for variant in variants):
+            if any(named_bit_count in _frame_and_position_widths(device, variant) for variant in variants):
                 continue
-            name = next(iter(bits_by_parameter))
+            first_parameter = next(iter(bit_count_by_parameter))
             message = (
-                f"the meaning of '{text_of_value}' says {named_bits} bits, but '{name}' is"
-                f" {bits_by_parameter[name]}{MEANING_DIFFERS}"
+                f"the meaning of '{text_of_value}' says {named_bit_count} bits, but '{first_parameter}' is"
+                f" {bit_count_by_parameter[first_parameter]}{MEANING_DIFFERS}"
             )
             report.add(
-                "meaning-mismatch", ("order_code", "parts", index, "values", text_of_value, "sets", name), message
+                "meaning-mismatch",
+                ("order_code", "parts", part_index, "values", text_of_value, "sets", first_parameter),
+                message,
             )
 
 
@@ -288,19 +298,19 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     For a 32-bit frame with a 24-bit position, this is ``{32, 24}``. Frames without a position are left out.
     """
     measurement = device.measurement_of(variant.interface)
-    widths: set[int] = set()
+    bit_counts: set[int] = set()
     if measurement is None:
-        return widths
+        return bit_counts
     for interface, layout in device.layouts():
         if interface.name != variant.interface:
             continue
         placed_layout = layout.place(variant.parameters)
         # The position consists of one or several fields, or of none if the frame does not contain it.
-        position_names = layout.field_names_of(measurement.position_name)
-        position_fields = placed_layout.find_fields(position_names)
+        position_field_names = layout.field_names_of(measurement.position_name)
+        position_fields = placed_layout.find_fields(position_field_names)
         if layout.sender == "encoder" and position_fields:
-            widths |= {placed_layout.bits, sum(field.width for field in position_fields)}
-    return widths
+            bit_counts |= {placed_layout.bits, sum(field.width for field in position_fields)}
+    return bit_counts
 
 
 def _numbers_of_code(device: Device, variant: Variant) -> set[int]:
@@ -338,22 +348,22 @@ def check_stated_lengths(device: Device, report: DocumentReport) -> None:
     A list of lengths, such as ``21, 23 or 26``, must contain the lengths for all order codes. An erratum that counts
     the lengths is checked too.
     """
-    if report.document.family or report.document.other_files:
+    if report.document.family or report.document.other_files:  # Editions and overlays keep texts of the family.
         return
     _check_counted_lengths(device, report)
     for interface in device.interfaces:
         for layout in interface.layouts:
             variants = device.variants_over(interface.name)
-            lengths = sorted({layout.place(variant.parameters).bits for variant in variants})
-            if not lengths:
+            frame_lengths = sorted({layout.place(variant.parameters).bits for variant in variants})
+            if not frame_lengths:
                 continue
             note_path = ("interfaces", interface.name, "layouts", layout.name, "note")
-            _check_text(note_path, layout.note, lengths, report)
+            _check_text(note_path, layout.note, frame_lengths, report)
             # In errata, paths do not contain the key ``layouts``.
-            affected = f"interfaces.{interface.name}.{layout.name}"
+            path_in_errata = f"interfaces.{interface.name}.{layout.name}"
             for erratum in device.errata:
-                if affected in erratum.affects:
-                    _check_text(("errata", erratum.name, "used"), erratum.used, lengths, report)
+                if path_in_errata in erratum.affects:
+                    _check_text(("errata", erratum.name, "used"), erratum.used, frame_lengths, report)
 
 
 _NUMBER_WORDS = "two three four five six seven eight nine ten".split()
@@ -362,17 +372,17 @@ _COUNT_OF_LENGTHS = re.compile(rf"\bhave (?P<count>{'|'.join(_NUMBER_WORDS)}) di
 
 def check_stated_bits(device: Device, report: DocumentReport) -> None:
     """Report a parameter whose meaning ends with numbers of bits that differ from its values for the order codes."""
-    if report.document.family or report.document.other_files:
+    if report.document.family or report.document.other_files:  # Editions and overlays keep texts of the family.
         return
     for parameter in device.parameters:
-        statement = _BITS_OF_PARAMETER.search(parameter.meaning)
-        parameters_with_it = [variant.parameters for variant in device.variants if parameter.name in variant.parameters]
-        actual_numbers = {parameters[parameter.name] for parameters in parameters_with_it}
-        if statement is None or not actual_numbers or parameter.read_from:
+        statement_match = _BITS_OF_PARAMETER.search(parameter.meaning)
+        parameter_sets = [variant.parameters for variant in device.variants if parameter.name in variant.parameters]
+        actual_numbers = {parameters[parameter.name] for parameters in parameter_sets}
+        if statement_match is None or not actual_numbers or parameter.read_from:
             continue
-        if {*_numbers_in(statement)} != actual_numbers:
+        if {*_numbers_in(statement_match)} != actual_numbers:
             numbers_text = join_words(map(str, sorted(actual_numbers)), "or")
-            stated_text = statement[0].removeprefix(", ")
+            stated_text = statement_match[0].removeprefix(", ")
             message = f"the text says {quoted(stated_text)}, but the order codes have {numbers_text}"
             message += "; correct one of the two"
             report.add("left-behind", ("parameters", parameter.name, "meaning"), message)
@@ -385,51 +395,51 @@ def _check_counted_lengths(device: Device, report: DocumentReport) -> None:
     """
     variants = device.variants_over(Biss.name)
     # The number of different lengths that each BiSS layout has.
-    length_counts: set[int] = set()
+    counts_of_lengths: set[int] = set()
     for interface, layout in device.layouts():
         if interface.name == Biss.name:
-            lengths = {layout.place(variant.parameters).bits for variant in variants}
-            length_counts.add(len(lengths))
-    if not length_counts:
+            frame_lengths = {layout.place(variant.parameters).bits for variant in variants}
+            counts_of_lengths.add(len(frame_lengths))
+    if not counts_of_lengths:
         return
     for erratum in device.errata:
-        statement = _COUNT_OF_LENGTHS.search(erratum.why)
-        if statement is None:
+        statement_match = _COUNT_OF_LENGTHS.search(erratum.why)
+        if statement_match is None:
             continue
-        stated_count = 2 + _NUMBER_WORDS.index(statement["count"])  # The first word is "two".
-        if stated_count not in length_counts:
-            count_text = join_words(map(str, sorted(length_counts)), "or")
-            problem = f"the text says {quoted(statement[0])}, but the order codes have {count_text}"
+        stated_count = 2 + _NUMBER_WORDS.index(statement_match["count"])  # The first word is "two".
+        if stated_count not in counts_of_lengths:
+            counts_text = join_words(map(str, sorted(counts_of_lengths)), "or")
+            problem = f"the text says {quoted(statement_match[0])}, but the order codes have {counts_text}"
             report.add("left-behind", ("errata", erratum.name, "why"), f"{problem}; correct one of the two")
 
 
-def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report: DocumentReport) -> None:
+def _check_text(path: tuple[str, ...], text: str, frame_lengths: Sequence[int], report: DocumentReport) -> None:
     """Report the first statement in a text about the length of a frame that does not agree with its actual lengths."""
-    shortest, longest = lengths[0], lengths[-1]
-    for statement in chain(_LENGTH_IN_TEXT.finditer(text), _LENGTH_RANGE_IN_TEXT.finditer(text)):
+    shortest, longest = frame_lengths[0], frame_lengths[-1]
+    for statement_match in chain(_LENGTH_IN_TEXT.finditer(text), _LENGTH_RANGE_IN_TEXT.finditer(text)):
         # The text can be about a part of the frame: ``The frame has 2 bits, error and warning, after the position``.
-        stated_numbers = _numbers_in(statement)
-        is_short = len(stated_numbers) == 1 and max(stated_numbers) < shortest
-        may_be_part = is_short and text[statement.end() :].startswith(",")
-        if may_be_part:
+        stated_numbers = _numbers_in(statement_match)
+        is_shorter_number = len(stated_numbers) == 1 and max(stated_numbers) < shortest
+        is_about_part = is_shorter_number and text[statement_match.end() :].startswith(",")
+        if is_about_part:
             continue
-        if statement.re is _LENGTH_RANGE_IN_TEXT:
-            agrees = stated_numbers == (shortest, longest)
+        if statement_match.re is _LENGTH_RANGE_IN_TEXT:
+            agrees_with_frames = stated_numbers == (shortest, longest)
         else:
-            agrees = _agrees_with_lengths(statement, lengths)
-        if not agrees:
-            lengths_text = join_words(map(str, lengths), "or")
-            problem = f"the text says {quoted(statement[0])}, but the frame has {lengths_text} bits"
+            agrees_with_frames = _agrees_with_lengths(statement_match, frame_lengths)
+        if not agrees_with_frames:
+            lengths_text = join_words(map(str, frame_lengths), "or")
+            problem = f"the text says {quoted(statement_match[0])}, but the frame has {lengths_text} bits"
             report.add("left-behind", path, f"{problem}; correct one of the two")
             return
 
 
-def _numbers_in(statement: re.Match[str]) -> tuple[int, ...]:
+def _numbers_in(statement_match: re.Match[str]) -> tuple[int, ...]:
     """Return all numbers in the groups of a match: (21, 23, 26) for ``The word has 21, 23 or 26 bits``."""
     numbers: list[int] = []
-    for group in statement.groups():
-        if group:
-            numbers += map(int, _NUMBER.findall(group))
+    for group_text in statement_match.groups():
+        if group_text:
+            numbers += map(int, _NUMBER.findall(group_text))
     return tuple(numbers)
 
 

@@ -82,11 +82,11 @@ def revision_in(text: str) -> RevisionPath | None:
     A text without a colon is not a revision, and neither is a path that exists or one with a drive, such as
     ``C:\\specs``.
     """
-    revision, colon, path = text.partition(":")
-    is_path = os.path.lexists(text) or _ON_A_DRIVE.match(text)
-    if not colon or is_path:
+    revision, colon, path_in_revision = text.partition(":")
+    is_path_in_file_system = os.path.lexists(text) or _ON_A_DRIVE.match(text)
+    if not colon or is_path_in_file_system:
         return None
-    return RevisionPath(revision, path)
+    return RevisionPath(revision, path_in_revision)
 
 
 def _write_new(file: Path, content: bytes) -> None:
@@ -105,44 +105,55 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
         RevisionError: The revision cannot be read, or contains names or sizes that specs cannot have.
     """
     commit = _find_commit(revision_path.revision)
-    path = _path_in_repository(revision_path)
-    blobs_by_path = _list_files(commit, path)
-    if not blobs_by_path:
-        raise RevisionError(f"there is no {visible(path) or 'file'} in {visible(revision_path.revision)}")
-    is_single_file = path in blobs_by_path
-    manufacturer_path = posixpath.join(posixpath.dirname(path), _MANUFACTURER_FILE)
-    if is_single_file and path != manufacturer_path:
-        blobs_by_path |= _list_files(commit, manufacturer_path)
-    blobs_of_specs: dict[str, str] = {}
-    for name, blob in blobs_by_path.items():
+    path_in_repository = _path_in_repository(revision_path)
+    spec_blob_by_path = _find_spec_blobs(commit, revision_path, path_in_repository)
+    _reject_large_files(revision_path, spec_blob_by_path)
+    content_by_hash = _read_contents(spec_blob_by_path.values())
+    target_paths = _target_paths(spec_blob_by_path, folder)
+    for file_path, target_path in target_paths.items():
+        _write_new(target_path, content_by_hash[spec_blob_by_path[file_path]])
+    shown_names = {str(folder): str(RevisionPath(revision_path.revision, path_in_repository))}
+    for file_path, target_path in target_paths.items():
+        shown_names[str(target_path)] = f"{revision_path.revision}:{file_path}"
+    return RevisionFiles(target_paths.get(path_in_repository, folder), shown_names)
+
+
+def _find_spec_blobs(commit: str, revision_path: RevisionPath, path_in_repository: str) -> dict[str, str]:
+    """Return the specs of a commit at or below a path, each with the hash of its content, without hidden files.
+
+    Raises:
+        RevisionError: There are no files, too many files, or files with unsafe names.
+    """
+    blob_hash_by_path = _list_files(commit, path_in_repository)
+    if not blob_hash_by_path:
+        raise RevisionError(f"there is no {visible(path_in_repository) or 'file'} in {visible(revision_path.revision)}")
+    is_single_file = path_in_repository in blob_hash_by_path
+    manufacturer_path = posixpath.join(posixpath.dirname(path_in_repository), _MANUFACTURER_FILE)
+    if is_single_file and path_in_repository != manufacturer_path:
+        blob_hash_by_path |= _list_files(commit, manufacturer_path)
+    spec_blob_by_path: dict[str, str] = {}
+    for file_path, blob_hash in blob_hash_by_path.items():
         # If the path names a single file, it is a spec, whatever its suffix.
-        if name.endswith(SUFFIXES) or name == path:
-            blobs_of_specs[name] = blob
-    _reject_bad_names(revision_path.revision, blobs_of_specs)  # This includes the names of hidden files.
+        if file_path.endswith(SUFFIXES) or file_path == path_in_repository:
+            spec_blob_by_path[file_path] = blob_hash
+    _reject_bad_names(revision_path.revision, spec_blob_by_path)  # This includes the names of hidden files.
     if not is_single_file:
-        for name in list(blobs_of_specs):
-            if _is_hidden(name.removeprefix(path)):
-                del blobs_of_specs[name]
-    if len(blobs_of_specs) > _MAX_FILES:
+        for file_path in list(spec_blob_by_path):
+            if _is_hidden(file_path.removeprefix(path_in_repository)):
+                del spec_blob_by_path[file_path]
+    if len(spec_blob_by_path) > _MAX_FILES:
         raise RevisionError(
-            f"{visible(str(revision_path))} contains {len(blobs_of_specs)} YAML files; name the folder of the specs"
+            f"{visible(str(revision_path))} contains {len(spec_blob_by_path)} YAML files; name the folder of the specs"
         )
-    _reject_large_files(revision_path, blobs_of_specs)
-    content_by_blob = _read_contents(blobs_of_specs.values())
-    target_paths = _target_paths(blobs_of_specs, folder)
-    for name, file in target_paths.items():
-        _write_new(file, content_by_blob[blobs_of_specs[name]])
-    shown_names = {str(folder): str(RevisionPath(revision_path.revision, path))}
-    shown_names |= {str(file): f"{revision_path.revision}:{name}" for name, file in target_paths.items()}
-    return RevisionFiles(target_paths.get(path, folder), shown_names)
+    return spec_blob_by_path
 
 
-def _reject_bad_names(revision: str, names: Iterable[str]) -> None:
+def _reject_bad_names(revision: str, file_paths: Iterable[str]) -> None:
     """Raise a ``RevisionError`` for the first path with a part that is not safe, such as ``..``."""
-    for name in names:
-        unsafe_part = next(filter(_BAD_PART.fullmatch, name.split("/")), None)
+    for file_path in file_paths:
+        unsafe_part = next(filter(_BAD_PART.fullmatch, file_path.split("/")), None)
         if unsafe_part is not None:
-            problem = f"{visible(revision)} contains a file '{visible(name)}'"
+            problem = f"{visible(revision)} contains a file '{visible(file_path)}'"
             raise RevisionError(f"{problem}; '{visible(unsafe_part)}' is not a safe name, so the revision is not read")
 
 
@@ -151,22 +162,22 @@ def _is_hidden(file_name: str) -> bool:
     return any(part.startswith(".") for part in file_name.split("/"))
 
 
-def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
+def _target_paths(file_paths: Iterable[str], folder: Path) -> dict[str, Path]:
     """Return the path to which each file is written, below ``folder``. Files from one folder stay together.
 
     A file is renamed if its name is not safe on every system, or if an earlier path only differs in case.
     """
-    folders: dict[str, Path] = {}
-    paths: dict[str, Path] = {}
-    used_names: set[str] = set()
-    for number, name in enumerate(names):
-        parent, _, file_name = name.rpartition("/")
-        target_folder = folders.setdefault(parent, folder / str(len(folders)))
-        keeps_name = _PLAIN_NAME.fullmatch(file_name) and name.lower() not in used_names
+    target_folder_by_parent: dict[str, Path] = {}
+    target_path_by_path: dict[str, Path] = {}
+    used_paths: set[str] = set()
+    for number, file_path in enumerate(file_paths):
+        parent, _, file_name = file_path.rpartition("/")
+        target_folder = target_folder_by_parent.setdefault(parent, folder / str(len(target_folder_by_parent)))
+        keeps_name = _PLAIN_NAME.fullmatch(file_name) and file_path.lower() not in used_paths
         target_name = file_name if keeps_name else f"{number}.yaml"
-        paths[name] = target_folder / target_name
-        used_names.add(name.lower())
-    return paths
+        target_path_by_path[file_path] = target_folder / target_name
+        used_paths.add(file_path.lower())
+    return target_path_by_path
 
 
 def _find_commit(revision: str) -> str:
@@ -182,8 +193,8 @@ def _find_commit(revision: str) -> str:
         commit = _run_git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
     except _GitFailed:
         # This lists the names of all branches and tags, one per line.
-        listing = _run_git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace")
-        reference_names = [name for name in listing.split("\n") if name]
+        listed_references = _run_git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace")
+        reference_names = [name for name in listed_references.split("\n") if name]
         hint = suggest_word(revision, reference_names[:_MAX_FILES])
         raise RevisionError(f"there is no revision '{revision_text}' in this repository{visible(hint)}") from None
     return commit.decode().strip()
@@ -197,18 +208,18 @@ def _path_in_repository(revision_path: RevisionPath) -> str:
     Raises:
         RevisionError: The path is outside the repository.
     """
-    path = revision_path.path
-    is_relative = path in (".", "..") or path.startswith(("./", "../"))
+    repository_path = revision_path.path
+    is_relative = repository_path in (".", "..") or repository_path.startswith(("./", "../"))
     if is_relative:
         current_folder = _run_git(["rev-parse", "--show-prefix"]).decode().removesuffix("\n")
-        path = posixpath.join(current_folder, path)
-    if path:
-        path = posixpath.normpath(path)
-    if path == ".":  # The top of the repository.
-        path = ""
-    if path.startswith(("/", "../")) or path == ".." or "\0" in path:
+        repository_path = posixpath.join(current_folder, repository_path)
+    if repository_path:
+        repository_path = posixpath.normpath(repository_path)
+    if repository_path == ".":  # The top of the repository.
+        repository_path = ""
+    if repository_path.startswith(("/", "../")) or repository_path == ".." or "\0" in repository_path:
         raise RevisionError(f"{visible(str(revision_path))} is outside the repository; paths are relative to its top")
-    return path
+    return repository_path
 
 
 def _list_files(commit: str, path: str) -> dict[str, str]:
@@ -216,70 +227,70 @@ def _list_files(commit: str, path: str) -> dict[str, str]:
 
     If ``path`` is empty, all files are returned. Links and submodules are left out.
     """
-    limited_to_path = ["--", path] if path else []
-    listing = _run_git(["ls-tree", "-r", "-z", "--full-tree", commit, *limited_to_path])
-    blobs_by_path = {}
+    path_arguments = ["--", path] if path else []
+    listing = _run_git(["ls-tree", "-r", "-z", "--full-tree", commit, *path_arguments])
+    blob_hash_by_path = {}
     # A line is ``MODE TYPE HASH``, a tab and the path.
     for tree_line in filter(None, listing.split(b"\0")):
-        mode_and_blob, _, name = tree_line.partition(b"\t")
-        mode, _, blob = mode_and_blob.decode().split(" ")
-        file_path = os.fsdecode(name)
+        mode_type_and_hash, _, path_bytes = tree_line.partition(b"\t")
+        mode, _, blob_hash = mode_type_and_hash.decode().split(" ")
+        file_path = os.fsdecode(path_bytes)
         is_regular_file = mode in (_FILE_MODE, _EXECUTABLE_MODE)
         is_at_or_below = path in ("", file_path) or file_path.startswith(f"{path}/")
         if is_regular_file and is_at_or_below:
-            blobs_by_path[file_path] = blob
-    return blobs_by_path
+            blob_hash_by_path[file_path] = blob_hash
+    return blob_hash_by_path
 
 
-def _reject_large_files(revision_path: RevisionPath, specs: Mapping[str, str]) -> None:
+def _reject_large_files(revision_path: RevisionPath, blob_hash_by_path: Mapping[str, str]) -> None:
     """Raise a ``RevisionError`` if a file is too large, if all files together are, or if the content of one is missing.
 
     The content of a file can be missing in a partial clone.
     """
     command = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
-    replies = _run_git(command, specs.values()).decode()
-    sizes: dict[str, int] = {}
+    replies = _run_git(command, blob_hash_by_path.values()).decode()
+    size_by_hash: dict[str, int] = {}
     for reply in replies.splitlines():
         # A reply is ``HASH blob SIZE``, or ``HASH missing``.
-        blob, _, type_and_size = reply.partition(" ")
-        object_type, _, size = type_and_size.partition(" ")
+        blob_hash, _, type_and_size = reply.partition(" ")
+        object_type, _, size_text = type_and_size.partition(" ")
         if object_type == "blob":
-            sizes[blob] = int(size)
-    for name, blob in specs.items():
-        file_text = f"{visible(revision_path.revision)}:{visible(name)}"
-        if blob not in sizes:
+            size_by_hash[blob_hash] = int(size_text)
+    for file_path, blob_hash in blob_hash_by_path.items():
+        file_text = f"{visible(revision_path.revision)}:{visible(file_path)}"
+        if blob_hash not in size_by_hash:
             raise RevisionError(f"the content of {file_text} is not in this repository; fetch it first")
-        if sizes[blob] > MAX_BYTES:
+        if size_by_hash[blob_hash] > MAX_BYTES:
             message = f"{file_text} is larger than {MAX_BYTES // 2**20} MB and cannot be a spec"
             raise RevisionError(f"{message}; name the folder of the specs")
-    if sum(sizes[blob] for blob in specs.values()) > _MAX_TOTAL_BYTES:
+    if sum(size_by_hash[blob_hash] for blob_hash in blob_hash_by_path.values()) > _MAX_TOTAL_BYTES:
         message = f"the YAML files of {visible(str(revision_path))} exceed {_MAX_TOTAL_BYTES // 2**20} MB in total"
         raise RevisionError(f"{message}; name the folder of the specs")
 
 
-def _read_contents(blobs: Iterable[str]) -> dict[str, bytes]:
+def _read_contents(blob_hashes: Iterable[str]) -> dict[str, bytes]:
     """Return the content of each blob by its hash. The sizes of the blobs have already been checked.
 
     For each blob, git prints a line ``HASH TYPE SIZE``, the content and a newline.
     """
-    printed = _run_git(["cat-file", "--batch"], blobs, max_bytes=2 * _MAX_TOTAL_BYTES)
-    content_by_blob = {}
+    git_output = _run_git(["cat-file", "--batch"], blob_hashes, max_bytes=2 * _MAX_TOTAL_BYTES)
+    content_by_hash = {}
     start_of_head = 0
-    while start_of_head < len(printed):
-        end_of_head = printed.index(b"\n", start_of_head)
-        blob, _, size = printed[start_of_head:end_of_head].decode().split(" ")
+    while start_of_head < len(git_output):
+        end_of_head = git_output.index(b"\n", start_of_head)
+        blob_hash, _, size_text = git_output[start_of_head:end_of_head].decode().split(" ")
         start_of_content = end_of_head + 1
-        end_of_content = start_of_content + int(size)
-        content_by_blob[blob] = printed[start_of_content:end_of_content]
+        end_of_content = start_of_content + int(size_text)
+        content_by_hash[blob_hash] = git_output[start_of_content:end_of_content]
         start_of_head = end_of_content + 1  # After the newline.
-    return content_by_blob
+    return content_by_hash
 
 
 class _GitFailed(RevisionError):
     """git failed."""
 
 
-def _run_git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _MAX_LIST_BYTES) -> bytes:
+def _run_git(arguments: Sequence[str], input_lines: Iterable[str] = (), max_bytes: int = _MAX_LIST_BYTES) -> bytes:
     """Run git with these arguments and lines of input, and return its output.
 
     Raises:
@@ -289,14 +300,18 @@ def _run_git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int
     environment = {name: value for name, value in os.environ.items() if name != "GIT_LITERAL_PATHSPECS"}
     command = ["git", "--no-pager", "--no-replace-objects", "--literal-pathspecs", *arguments]
     try:
-        with TemporaryFile() as input_file, TemporaryFile() as errors:
-            input_file.write("".join(f"{line}\n" for line in lines).encode())
+        with TemporaryFile() as input_file, TemporaryFile() as error_file:
+            input_file.write("".join(f"{line}\n" for line in input_lines).encode())
             input_file.seek(0)
-            code, printed = _run_command(
-                command, input_file=input_file, errors=errors, environment=environment | _QUIET, max_bytes=max_bytes
+            exit_code, git_output = _run_command(
+                command,
+                input_file=input_file,
+                error_file=error_file,
+                environment=environment | _QUIET,
+                max_bytes=max_bytes,
             )
-            errors.seek(0)
-            first_line, *_ = errors.read(4096).decode(errors="replace").strip().split("\n")
+            error_file.seek(0)
+            first_line, *_ = error_file.read(4096).decode(errors="replace").strip().split("\n")
             error_text = visible(first_line)
     except RevisionError:
         raise
@@ -304,38 +319,40 @@ def _run_git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int
         raise RevisionError("git is not installed; only files and folders can be compared") from None
     except (OSError, ValueError) as error:
         raise RevisionError(f"cannot run git: {error}") from None
-    if code == 0:
-        return printed
+    if exit_code == 0:
+        return git_output
     if "not a git repository" in error_text:
         raise RevisionError("the current folder is not in a git repository, so there are no revisions to read")
-    raise _GitFailed(f"git failed: {error_text.removeprefix('fatal: ') or f'exit code {code}'}")
+    raise _GitFailed(f"git failed: {error_text.removeprefix('fatal: ') or f'exit exit_code {exit_code}'}")
 
 
 def _run_command(
-    command: Sequence[str], input_file: IO[bytes], errors: IO[bytes], environment: Mapping[str, str], max_bytes: int
+    command: Sequence[str], input_file: IO[bytes], error_file: IO[bytes], environment: Mapping[str, str], max_bytes: int
 ) -> tuple[int, bytes]:
     """Run a command, and return its exit code and output. Stop it if it takes too long or prints too much.
 
     Raises:
         RevisionError: It takes too long, or prints more than ``max_bytes`` bytes.
     """
-    with subprocess.Popen(command, stdin=input_file, stdout=subprocess.PIPE, stderr=errors, env=environment) as running:
+    with subprocess.Popen(
+        command, stdin=input_file, stdout=subprocess.PIPE, stderr=error_file, env=environment
+    ) as process:
         timed_out = Event()
-        timer = Timer(_TIMEOUT_S, _stop_command, (running, timed_out))
+        timer = Timer(_TIMEOUT_S, _stop_command, (process, timed_out))
         timer.start()
         try:
             # One more byte shows that the output is too long.
-            printed = running.stdout.read(max_bytes + 1) if running.stdout else b""
-            if len(printed) > max_bytes:
-                running.kill()
-            code = running.wait()
+            output = process.stdout.read(max_bytes + 1) if process.stdout else b""
+            if len(output) > max_bytes:
+                process.kill()
+            exit_code = process.wait()
         finally:
             timer.cancel()
     if timed_out.is_set():
         raise RevisionError(f"git did not answer within {_TIMEOUT_S} s")
-    if len(printed) > max_bytes:
+    if len(output) > max_bytes:
         raise RevisionError(f"git lists more than {max_bytes // 2**20} MB here; name the folder of the specs")
-    return code, printed
+    return exit_code, output
 
 
 def _stop_command(running: subprocess.Popen[bytes], timed_out: Event) -> None:

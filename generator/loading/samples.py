@@ -70,13 +70,13 @@ def _most_used_order_code(device: Device, interface: str) -> Variant | None:
     Examples of CRCs and corrected examples do not count. Of several such codes, the one with the largest sum of
     parameters is returned, which usually has the finest resolution.
     """
-    example_counts: Counter[str] = Counter()
+    example_count_by_code: Counter[str] = Counter()
     for example in device.examples:
         if not isinstance(example, CrcExample) and not example.erratum:
-            example_counts[example_variant(device, example).code] += 1
+            example_count_by_code[example_variant(device, example).code] += 1
 
     def examples_then_resolution(variant: Variant) -> tuple[int, int]:
-        return example_counts[variant.code], sum(variant.parameters.values())
+        return example_count_by_code[variant.code], sum(variant.parameters.values())
 
     return max(device.variants_over(interface), key=examples_then_resolution, default=None)
 
@@ -95,9 +95,13 @@ def _build_sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     encode_sample = partial(_encoded_sample, device, placed_layout, variant)
     if measurement is None or measurement.position_name not in layout.member_names:
         return encode_sample(made_up_values)
-    position_fields = layout.field_names_of(measurement.position_name)
+    position_field_names = layout.field_names_of(measurement.position_name)
     # The position may consist of several fields. It replaces their values.
-    other_values = {name: value for name, value in made_up_values.items() if name not in position_fields}
+    other_values = {
+        field_name: made_up_value
+        for field_name, made_up_value in made_up_values.items()
+        if field_name not in position_field_names
+    }
     if worked_example is not None:
         values_with_position = {**other_values, measurement.position_name: worked_example.counts}
         with suppress(EncodeError):  # The position may not fit.
@@ -125,17 +129,17 @@ def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool
         return layout.selects[0]
     if not field.carries_data:
         raise EncodeError(f"'{field.name}' carries no data")
-    code = field.code_of_digits
-    if code is not None:
-        return min(_made_up_number(width), code.highest(width))
+    digit_code = field.code_of_digits
+    if digit_code is not None:
+        return min(_made_up_number(width), digit_code.highest(width))
     match field.kind:
         case Number(power_of_two=True):
             # The power of two in the middle of the range.
             return 1 << (width // 2)
         case Number(signed=is_signed, zero_means=zero_means):
             # A signed field has one bit less for positive numbers.
-            magnitude_bits = width - 1 if is_signed else width
-            number = _made_up_number(magnitude_bits)
+            magnitude_bit_count = width - 1 if is_signed else width
+            number = _made_up_number(magnitude_bit_count)
             # If a stored zero represents a different number, the value of the field is never 0.
             return max(number, 1) if zero_means else number
         case Flag():
@@ -160,24 +164,26 @@ def _made_up_number(bits: int) -> int:
 
 
 def _encoded_sample(
-    device: Device, placed_layout: PlacedLayout, variant: Variant, values: Values, source: Sources = ()
+    device: Device, placed_layout: PlacedLayout, variant: Variant, value_by_field: Values, source: Sources = ()
 ) -> Sample:
     """Return a sample frame with these values, and the same frame with an active flag that makes decoders reject it.
 
     The second frame is None if the layout has no such flag.
     """
-    frame = encode(device, placed_layout, values)
-    plain_frame = to_binary(placed_layout, frame)
-    decoded_values = {field.name: values[field.name] for field in placed_layout.fields if field.name in values}
-    decoded_values |= {join.name: join_value(placed_layout, join, plain_frame) for join in placed_layout.layout.joins}
+    frame_number = encode(device, placed_layout, value_by_field)
+    binary_number = to_binary(placed_layout, frame_number)
+    decoded_values = {
+        field.name: value_by_field[field.name] for field in placed_layout.fields if field.name in value_by_field
+    }
+    decoded_values |= {join.name: join_value(placed_layout, join, binary_number) for join in placed_layout.layout.joins}
     rejected_frame = None
     if placed_layout.spoiling_flags:
-        flag = placed_layout.spoiling_flags[0]
-        rejected_frame = encode(device, placed_layout, {**values, flag.name: True})
+        spoiling_flag = placed_layout.spoiling_flags[0]
+        rejected_frame = encode(device, placed_layout, {**value_by_field, spoiling_flag.name: True})
     return Sample(
         order_code=variant.code,
         layout=placed_layout.layout.name,
-        frame=frame,
+        frame=frame_number,
         values=decoded_values,
         spoilt=rejected_frame,
         source=source,
@@ -197,22 +203,24 @@ def narrowed_to(devices: Sequence[Device], selection: str) -> tuple[Device, ...]
     Raises:
         UnknownName: A name matches no order code, interface or family.
     """
-    words = [word.strip() for word in selection.split(",") if word.strip()]
-    if not words:
+    selected_names = [selected_name.strip() for selected_name in selection.split(",") if selected_name.strip()]
+    if not selected_names:
         return tuple(devices)
     known_names: set[str] = set()
     for device in devices:
         for variant in device.variants:
             known_names.update(_names_of_code(device, variant))
-    for word in words:
-        if word.upper() not in known_names:
-            raise UnknownName(_unknown_message(devices, word))
-    wanted_names = {word.upper() for word in words}
+    for selected_name in selected_names:
+        if selected_name.upper() not in known_names:
+            raise UnknownName(_unknown_message(devices, selected_name))
+    uppercase_names = {selected_name.upper() for selected_name in selected_names}
     narrowed_devices = []
     for device in devices:
-        codes = {variant.code for variant in device.variants if wanted_names & set(_names_of_code(device, variant))}
-        if codes:
-            narrowed_device = for_codes(device, codes)
+        order_codes = {
+            variant.code for variant in device.variants if uppercase_names & set(_names_of_code(device, variant))
+        }
+        if order_codes:
+            narrowed_device = for_codes(device, order_codes)
             # The sample frames in programs and pages must belong to one of the remaining order codes.
             narrowed_devices.append(replace(narrowed_device, samples=sample_frames(narrowed_device)))
     return tuple(narrowed_devices)
@@ -223,9 +231,9 @@ def _names_of_code(device: Device, variant: Variant) -> tuple[str, ...]:
 
     These are the order code, the interface, the family, and the family with the interface, such as ``X_24_SSI``.
     """
-    family = device.name.upper()
-    interface = variant.interface.upper()
-    return variant.code.upper(), interface, family, f"{family}_{interface}"
+    family_name = device.name.upper()
+    interface_name = variant.interface.upper()
+    return variant.code.upper(), interface_name, family_name, f"{family_name}_{interface_name}"
 
 
 def _yield_suggestions(devices: Sequence[Device]) -> Iterator[str]:
@@ -239,7 +247,7 @@ def _yield_suggestions(devices: Sequence[Device]) -> Iterator[str]:
     yield from sorted(interface_names)
 
 
-def _unknown_message(devices: Sequence[Device], word: str) -> str:
+def _unknown_message(devices: Sequence[Device], unknown_name: str) -> str:
     """Return the message about an unknown name, with the nearest name or, if none is similar, the valid names.
 
     If the word begins with the name of a family, the valid names are the order codes of this family.
@@ -247,17 +255,17 @@ def _unknown_message(devices: Sequence[Device], word: str) -> str:
     all_codes: list[str] = []
     codes_of_named_families: list[str] = []
     for device in devices:
-        codes = [variant.code for variant in device.variants]
-        all_codes += codes
-        if word.upper().startswith(device.name.upper()):
-            codes_of_named_families += codes
-    names = list(_yield_suggestions(devices))
+        order_codes = [variant.code for variant in device.variants]
+        all_codes += order_codes
+        if unknown_name.upper().startswith(device.name.upper()):
+            codes_of_named_families += order_codes
+    suggested_names = list(_yield_suggestions(devices))
     lowercase_codes = [code.lower() for code in codes_of_named_families]
-    nearest_name = nearest_choice(word, [*names, *codes_of_named_families, *lowercase_codes])
+    nearest_name = nearest_choice(unknown_name, [*suggested_names, *codes_of_named_families, *lowercase_codes])
     if nearest_name:
         hint = f"did you mean '{nearest_name}'?"
     else:
         example_code = all_codes[0] if all_codes else ""
-        valid_names = codes_of_named_families or [f"order codes, such as {example_code}", *names]
+        valid_names = codes_of_named_families or [f"order codes, such as {example_code}", *suggested_names]
         hint = f"valid are {', '.join(valid_names)}"
-    return f"there is no order code, interface or family '{word}'; {hint}"
+    return f"there is no order code, interface or family '{unknown_name}'; {hint}"

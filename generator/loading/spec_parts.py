@@ -67,11 +67,11 @@ def parse_sources(cited_text: str) -> Sources:
     """
     citations = []
     for source_text in cited_text.split(";"):
-        match = _SOURCE_PATTERN.fullmatch(source_text)
-        if match is not None:
-            document = match["document"] or ""  # Empty for the manual.
-            page = int(match["page"]) if match["page"] else None
-            citations.append(Source(document, match["section"], page))
+        source_match = _SOURCE_PATTERN.fullmatch(source_text)
+        if source_match is not None:
+            document_key = source_match["document"] or ""  # Empty for the manual.
+            page = int(source_match["page"]) if source_match["page"] else None
+            citations.append(Source(document_key, source_match["section"], page))
     return tuple(citations)
 
 
@@ -80,24 +80,24 @@ def sources(raw_part: Raw, source_key: str = "source") -> Sources:
     return parse_sources(raw_part[source_key]) if source_key in raw_part else ()
 
 
-def build_part(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
+def build_part(part_class: Callable[..., T], raw: Raw, /, **value_by_member: Any) -> T:
     """Return a part of the model, an object of ``part_class``, from its definition in a spec.
 
-    A member has the value in ``values``, or else the value under its name in ``raw``. Other members have their default,
-    or an empty value: no text, 0, false, or None if the type allows it. Inner parts and lists of them are built in the
-    same way.
+    A member has the value in ``value_by_member``, or else the value under its name in ``raw``. Other members have their
+    default, or an empty value: no text, 0, false, or None if the type allows it. Inner parts and lists of them are
+    built in the same way.
     """
-    for name, member_type, has_default in _members_with_types(part_class):
-        if name in values:
+    for member_name, member_type, has_default in _members_with_types(part_class):
+        if member_name in value_by_member:
             continue
         if member_type == Sources:
-            values[name] = sources(raw, name)
-        elif name in raw:
-            values[name] = _convert_to_type(member_type, raw[name])
+            value_by_member[member_name] = sources(raw, member_name)
+        elif member_name in raw:
+            value_by_member[member_name] = _convert_to_type(member_type, raw[member_name])
         elif not has_default:
             container_or_type = get_origin(member_type) or member_type
-            values[name] = _EMPTY_VALUES.get(container_or_type)
-    return part_class(**values)
+            value_by_member[member_name] = _EMPTY_VALUES.get(container_or_type)
+    return part_class(**value_by_member)
 
 
 def records(part_class: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
@@ -184,28 +184,28 @@ def names_set_by_order_codes(raw_spec: Raw) -> list[str]:
     return [name for name, definition in raw_spec["parameters"].items() if derived_keys.isdisjoint(definition)]
 
 
-def check_only(raw_spec: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
-    """Check each ``only`` in a spec, the list of patterns for the order codes that a fact applies to.
+def check_only_patterns(raw_spec: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
+    """Check each ``patterns_text`` in a spec, the list of patterns for the order codes that a fact applies to.
 
     An order code must match each pattern. In other editions of the manual, which may have fewer order codes, one
     matching pattern is enough. If the fact is a flag, a parameter must be 0 for all other order codes.
     """
     if not variants:
         return
-    for path, owner in _mappings_with_only(raw_spec, ()):
-        only = owner["only"]
-        unmatched = _unmatched_patterns(only, variants)
-        is_faulty = bool(unmatched)
+    for path, raw_fact in _mappings_with_only(raw_spec, ()):
+        patterns_text = raw_fact["only"]
+        unmatched_patterns = _unmatched_patterns(patterns_text, variants)
+        is_wrong = bool(unmatched_patterns)
         if report.document.family:  # The document is another edition of the manual.
-            is_faulty = not any(applies_to_code(only, variant.code) for variant in variants)
-        if is_faulty:
+            is_wrong = not any(applies_to_code(patterns_text, variant.code) for variant in variants)
+        if is_wrong:
             example_code = variants[0].code
-            message = f"no order code of the family matches {quoted(unmatched[0])}"
+            message = f"no order code of the family matches {quoted(unmatched_patterns[0])}"
             example_pattern = quoted(f"{example_code[: len(example_code) // 2]}...")
             remedy = f"'...' matches any text and 'x' matches one character, as in {example_pattern}"
             report.add("only-codes", (*path, "only"), f"{message}; {remedy}")
-        elif "active" in owner and not only_while(only, variants, names_set_by_order_codes(raw_spec)):
-            message = f"no parameter distinguishes the order codes {quoted(only)} from the others"
+        elif "active" in raw_fact and not only_while(patterns_text, variants, names_set_by_order_codes(raw_spec)):
+            message = f"no parameter distinguishes the order codes {quoted(patterns_text)} from the others"
             remedy = "add a parameter that these order codes set and that is 0 for all others"
             report.add("only-parameter", (*path, "only"), f"{message}; {remedy}")
 
@@ -228,10 +228,10 @@ def check_alarms(raw_spec: Raw, report: DocumentReport) -> None:
     """Report an alarm that applies to different order codes than its flag in a register or field group."""
     spec = WrittenSpec(dict(raw_spec))
     for alarm in spec.alarms:
-        owner = owner_of_alarm(spec, alarm)
-        if owner is None or not alarm.part.field:
+        register_or_group = owner_of_alarm(spec, alarm)
+        if register_or_group is None or not alarm.part.field:
             continue
-        flag = next((field for field in owner.fields if field.name == alarm.part.field), None)
+        flag = next((field for field in register_or_group.fields if field.name == alarm.part.field), None)
         if flag is None or alarm.part.only == flag.only:
             continue
         message = (
@@ -247,17 +247,17 @@ def _codes_in_words(only: str) -> str:
     return f"the order codes {quoted(only)}" if only else "all order codes"
 
 
-def _mappings_with_only(raw_value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
+def _mappings_with_only(raw_value: Any, spec_path: Path) -> Iterator[tuple[Path, Raw]]:
     """Yield the path and the content of each map in a spec that has the key ``only``, at any depth."""
     if isinstance(raw_value, Mapping):
         if isinstance(raw_value.get("only"), str):
-            yield path, raw_value
-        for key, member in raw_value.items():
+            yield spec_path, raw_value
+        for key, inner_value in raw_value.items():
             if key not in ("also_written", "names"):  # The keys below these are texts on labels and languages.
-                yield from _mappings_with_only(member, (*path, key))
+                yield from _mappings_with_only(inner_value, (*spec_path, key))
     elif isinstance(raw_value, (list, tuple)):
-        for index, member in enumerate(raw_value):
-            yield from _mappings_with_only(member, (*path, index))
+        for index, inner_value in enumerate(raw_value):
+            yield from _mappings_with_only(inner_value, (*spec_path, index))
 
 
 def build_procedures(raw_spec: Raw, device: Device) -> tuple[Procedure, ...]:
@@ -270,9 +270,9 @@ def _build_procedure(raw_procedure: Raw, device: Device) -> Procedure:
     for raw_argument in raw_procedure.get("arguments", ()):
         arguments.append(build_part(Argument, raw_argument, meant_as=raw_argument.get("as", "")))
     steps = []
-    for step in raw_procedure["steps"]:
-        build_step = _STEPS[step["do"]]
-        steps.append(build_step(step, sources(step) or sources(raw_procedure), device))
+    for raw_step in raw_procedure["steps"]:
+        build_step = _STEPS[raw_step["do"]]
+        steps.append(build_step(raw_step, sources(raw_step) or sources(raw_procedure), device))
     return build_part(Procedure, raw_procedure, arguments=tuple(arguments), steps=tuple(steps))
 
 
@@ -293,8 +293,8 @@ def _build_write_step(raw_step: Raw, source: Sources, device: Device) -> Step:
         candidate_fields = [field for field in candidate_fields if field.name == field_name]
     number = None
     if len(candidate_fields) == 1:
-        numbers_of_name = [value.value for value in candidate_fields[0].values if value.name == value_name]
-        number = numbers_of_name[0] if numbers_of_name else None
+        numbers_with_name = [value.value for value in candidate_fields[0].values if value.name == value_name]
+        number = numbers_with_name[0] if numbers_with_name else None
     if field_name:
         return ModifyStep(
             register=register_name,
@@ -324,10 +324,10 @@ def _build_send_step(raw_step: Raw, source: Sources, device: Device) -> Step:
 
     The request is empty if the device does not have this data ID.
     """
-    interface = device.find_interface(Rs485)
-    data_ids = interface.data_ids if interface is not None else ()
-    controls = [data_id.control for data_id in data_ids if data_id.name == raw_step.get("data_id")]
-    request = bytes(controls[:1])
+    rs485 = device.find_interface(Rs485)
+    data_ids = rs485.data_ids if rs485 is not None else ()
+    control_bytes = [data_id.control for data_id in data_ids if data_id.name == raw_step.get("data_id")]
+    request = bytes(control_bytes[:1])
     pause_us = raw_step.get("every_at_least_us", 0)
     return build_part(SendStep, raw_step, source=source, request=request, microseconds=pause_us)
 
@@ -342,7 +342,7 @@ _STEPS = {
 
 
 #: A kind of item, as the key of its list, and a name.
-Item = tuple[str, str]
+PartName = tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -350,25 +350,25 @@ class ValidParts:
     """The valid parts of a spec, given by the parts that are not valid."""
 
     #: Places with problems, and the places that contain them.
-    places: frozenset[Path]
+    faulty_paths: frozenset[Path]
     #: Items with problems, and items that depend on them.
-    items: frozenset[Item]
+    faulty_parts: frozenset[PartName]
 
     def is_valid(self, section: str, item_name: str) -> bool:
         """Return whether an item and all items that it uses are valid. ``section`` is a list such as ``registers``."""
-        return (section, item_name) not in self.items
+        return (section, item_name) not in self.faulty_parts
 
     @property
-    def has_codes(self) -> bool:
+    def has_valid_order_codes(self) -> bool:
         """Whether the order codes and the parameters are valid."""
-        return ("parameters",) not in self.places and ("order_code",) not in self.places
+        return ("parameters",) not in self.faulty_paths and ("order_code",) not in self.faulty_paths
 
     @property
-    def has_frames(self) -> bool:
+    def has_valid_layouts(self) -> bool:
         """Whether all layouts and data IDs are valid, so that decoders can find the layout of any frame."""
-        return not any(kind in ("layouts", "data_ids") for kind, _ in self.items)
+        return not any(kind in ("layouts", "data_ids") for kind, _ in self.faulty_parts)
 
-    def holds(self, example: Example) -> bool:
+    def is_example_valid(self, example: Example) -> bool:
         """Return whether an example and all parts that it depends on are valid.
 
         A bit frame depends on its layout. A frame of bytes depends on all layouts, because its bytes select one of
@@ -380,18 +380,18 @@ class ValidParts:
             case CrcExample():
                 return self.is_valid("crcs", example.crc)
             case FrameExample() if example.bits:
-                has_valid_parts = self.is_valid("layouts", example.layout)
+                are_parts_valid = self.is_valid("layouts", example.layout)
             case FrameExample():
-                has_valid_parts = self.has_frames
+                are_parts_valid = self.has_valid_layouts
             case RegisterExample():
-                has_valid_parts = self.is_valid("registers", example.register)
+                are_parts_valid = self.is_valid("registers", example.register)
             case ProcedureExample():
-                has_valid_parts = self.is_valid("procedures", example.procedure)
+                are_parts_valid = self.is_valid("procedures", example.procedure)
             case MeasureExample():
-                has_valid_parts = not any("measurement" in place for place in self.places)
+                are_parts_valid = not any("measurement" in path for path in self.faulty_paths)
             case _:
                 assert_never(example)
-        return has_valid_parts and self.has_codes
+        return are_parts_valid and self.has_valid_order_codes
 
 
 def valid_parts_so_far(report: DocumentReport) -> ValidParts:
@@ -407,22 +407,22 @@ def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
     a layout that uses a field group with a problem.
     """
     # Each place with a problem and the places that contain it: registers, registers[2] and registers[2].address.
-    places: set[Path] = set()
-    for fault in faults:
-        places.update(fault[:length] for length in range(1, len(fault) + 1))
-    faulty_items = {item for item, path in _items_with_places(spec) if path in places}
+    faulty_paths: set[Path] = set()
+    for fault_path in faults:
+        faulty_paths.update(fault_path[:step_count] for step_count in range(1, len(fault_path) + 1))
+    faulty_parts = {part for part, part_path in _parts_with_paths(spec) if part_path in faulty_paths}
     for field_list in field_lists(spec):  # Field groups come first, because layouts and registers may use them.
-        used_items = [("field_groups", field.use) for field in field_list.fields]
-        used_items += [("crcs", field.crc) for field in field_list.fields]
-        if field_list.owner.path in places or not faulty_items.isdisjoint(used_items):
-            faulty_items.add((field_list.owner_kind.value, _name_or_mark(field_list.name)))
+        used_parts = [("field_groups", field.use) for field in field_list.fields]
+        used_parts += [("crcs", field.crc) for field in field_list.fields]
+        if field_list.owner.path in faulty_paths or not faulty_parts.isdisjoint(used_parts):
+            faulty_parts.add((field_list.owner_kind.value, _name_or_mark(field_list.name)))
     for procedure in spec.procedures:
-        if procedure.path in places or not faulty_items.isdisjoint(_uses_of(procedure)):
-            faulty_items.add(("procedures", _name_or_mark(procedure.name)))
-    return ValidParts(frozenset(places), frozenset(faulty_items))
+        if procedure.path in faulty_paths or not faulty_parts.isdisjoint(_uses_of(procedure)):
+            faulty_parts.add(("procedures", _name_or_mark(procedure.name)))
+    return ValidParts(frozenset(faulty_paths), frozenset(faulty_parts))
 
 
-def _items_with_places(spec: WrittenSpec) -> Iterator[tuple[Item, Path]]:
+def _parts_with_paths(spec: WrittenSpec) -> Iterator[tuple[PartName, Path]]:
     """Yield each CRC, example, register and data ID of a spec with its place."""
     for crc in spec.crcs:
         yield ("crcs", _name_or_mark(crc.part.name)), crc.path
@@ -435,7 +435,7 @@ def _items_with_places(spec: WrittenSpec) -> Iterator[tuple[Item, Path]]:
             yield ("data_ids", _name_or_mark(data_id.part.name)), data_id.path
 
 
-def _uses_of(procedure: WrittenProcedure) -> Iterator[Item]:
+def _uses_of(procedure: WrittenProcedure) -> Iterator[PartName]:
     """Yield the registers and data IDs that a procedure uses, in its steps or for the limits of an argument."""
     for step in procedure.steps:
         yield from (("registers", step.register), ("data_ids", step.data_id))

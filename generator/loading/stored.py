@@ -137,8 +137,8 @@ def as_data(device: model.Device) -> list[Any]:
             return [to_data(part) for part in value]
         if value_type in _CLASS_INDEX:
             if id(value) not in row_by_id:
-                index = _CLASS_INDEX[value_type]
-                rows.append([index, *(to_data(getattr(value, name)) for name in _MEMBER_NAMES[index])])
+                class_index = _CLASS_INDEX[value_type]
+                rows.append([class_index, *(to_data(getattr(value, name)) for name in _MEMBER_NAMES[class_index])])
                 row_by_id[id(value)] = len(rows) - 1
             return {_OBJECT_MARK: row_by_id[id(value)]}
         if isinstance(value, Enum) and value_type in _STORED_ENUMS:
@@ -163,11 +163,11 @@ def from_data(rows: Any) -> model.Device:
     """
     built_objects: list[Any] = []
     try:
-        for index, *raw_values in rows:
-            part_class = _CLASSES[index]
+        for class_index, *raw_values in rows:
+            part_class = _CLASSES[class_index]
             values = [_rebuild_value(raw_value, built_objects) for raw_value in raw_values]
-            if _BY_KEYWORD[index]:
-                built_objects.append(part_class(**dict(zip(_MEMBER_NAMES[index], values, strict=True))))
+            if _BY_KEYWORD[class_index]:
+                built_objects.append(part_class(**dict(zip(_MEMBER_NAMES[class_index], values, strict=True))))
             else:
                 built_objects.append(part_class(*values))
         # Objects come after the objects that they contain, so the device is the last one.
@@ -185,18 +185,18 @@ def _rebuild_value(stored_value: Any, built_objects: Sequence[Any]) -> Any:
     The value may refer, by their index, to objects of earlier rows, which are in ``built_objects``.
     """
     if isinstance(stored_value, list):
-        return tuple([_rebuild_value(member, built_objects) for member in stored_value])
+        return tuple([_rebuild_value(stored_member, built_objects) for stored_member in stored_value])
     if not isinstance(stored_value, dict):
         return stored_value
     if _OBJECT_MARK in stored_value:
         return built_objects[stored_value[_OBJECT_MARK]]
     if _ENUM_MARK in stored_value:
-        index, name = stored_value[_ENUM_MARK]
-        return _STORED_ENUMS[index][name]
+        enum_index, enum_member = stored_value[_ENUM_MARK]
+        return _STORED_ENUMS[enum_index][enum_member]
     if _BYTES_MARK in stored_value:
         return bytes.fromhex(stored_value[_BYTES_MARK])
-    mapping: dict[Any, Any] = {}
-    for key, member in stored_value[_MAP_MARK]:
-        mapping[_rebuild_value(key, built_objects)] = _rebuild_value(member, built_objects)
+    rebuilt_map: dict[Any, Any] = {}
+    for key, stored_member in stored_value[_MAP_MARK]:
+        rebuilt_map[_rebuild_value(key, built_objects)] = _rebuild_value(stored_member, built_objects)
     is_read_only = stored_value[_READ_ONLY_MARK]
-    return MappingProxyType(mapping) if is_read_only else mapping
+    return MappingProxyType(rebuilt_map) if is_read_only else rebuilt_map

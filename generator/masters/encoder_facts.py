@@ -356,7 +356,7 @@ def split_notes(
     A field can contain bits of both. Or the spec does not give the counts per revolution, so that all bits are listed
     as singleturn bits.
     """
-    position_fields = placed_layout.find_fields(placed_layout.layout.field_names_of(measurement.of))
+    position_fields = placed_layout.find_fields(placed_layout.layout.field_names_of(measurement.position_name))
     if len(position_fields) == 1:
         return
     if device.movement == "rotary" and measurement.counts_per_turn is None:

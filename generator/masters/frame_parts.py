@@ -194,7 +194,7 @@ def _is_always_zero(field: PlacedField) -> bool:
 
 def _position_fields(placed_layout: PlacedLayout, measurement: Measurement) -> list[PlacedField]:
     """Return the fields that form the position for the order code, most significant first."""
-    return placed_layout.find_fields(placed_layout.layout.field_names_of(measurement.of))
+    return placed_layout.find_fields(placed_layout.layout.field_names_of(measurement.position_name))
 
 
 def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> dict[str, int]:
@@ -237,7 +237,8 @@ def _turn_bit_count(measurement: Measurement, position_width: int, variant: Vari
     if turns is None:
         return 0
     raise NoMasterSettings(
-        f"'{measurement.of}' has {counts_per_turn} counts per revolution, so no bits of it are the revolutions"
+        f"'{measurement.position_name}' has {counts_per_turn} counts per revolution, so no bits of it are the "
+        "revolutions"
     )
 
 

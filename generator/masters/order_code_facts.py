@@ -65,7 +65,7 @@ def _notes_on_frame(
     """Yield notes on the frame, on a position in several fields, and on further data channels."""
     placed_layout, measurement = frame.placed_layout, frame.measurement
     yield from frame_notes(
-        device, placed_layout, parts_of_frame, position_name=measurement.of, as_delivered=as_delivered
+        device, placed_layout, parts_of_frame, position_name=measurement.position_name, as_delivered=as_delivered
     )
     yield from split_notes(device, placed_layout, measurement, frame.variant)
     yield from channel_notes(frame.interface, placed_layout)
@@ -303,10 +303,10 @@ def _frame_with_position(interface: Interface, measurement: Measurement, variant
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
         placed_layout = layout.place(variant.parameters)
-        _, position_width = placed_layout.place_of(measurement.of)
+        _, position_width = placed_layout.place_of(measurement.position_name)
         if position_width:
             return placed_layout
-    raise NoMasterSettings(f"no frame of {interface.title} carries '{measurement.of}'")
+    raise NoMasterSettings(f"no frame of {interface.title} carries '{measurement.position_name}'")
 
 
 def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:

@@ -130,12 +130,12 @@ class Device:
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:
         """Independent parameters: those that an order code sets, a register holds, or an answer with a default sets."""
-        optional_questions = {alternative.name for alternative in self.optional_alternatives}
+        optional_question_names = {alternative.name for alternative in self.optional_alternatives}
         independent_parameters: list[Parameter] = []
         for parameter in self.parameters:
             is_calculated = parameter.equals is not None
             # Parameters that no answer sets have an empty ``alternative``.
-            needs_answer = parameter.alternative != "" and parameter.alternative not in optional_questions
+            needs_answer = parameter.alternative != "" and parameter.alternative not in optional_question_names
             if not is_calculated and not needs_answer:
                 independent_parameters.append(parameter)
         return tuple(independent_parameters)
@@ -159,11 +159,11 @@ class Device:
     def needed_parameters(self, names: Iterable[str]) -> frozenset[str]:
         """Return these parameters, and all parameters from which they are calculated."""
         needed_names = set[str]()
-        pending = list(names)
-        while pending:
-            name = pending.pop()
+        names_to_process = list(names)
+        while names_to_process:
+            name = names_to_process.pop()
             if name not in needed_names and name in self.definitions:
-                pending += self.definitions[name].parameters
+                names_to_process += self.definitions[name].parameters
             needed_names.add(name)
         return frozenset(needed_names)
 
@@ -176,13 +176,13 @@ class Device:
         if not self.alternatives:
             return ()
         # The parameters on which the positions and widths of fields depend.
-        needed_names: set[str] = set()
+        parameters_of_layout: set[str] = set()
         for field in layout.fields:
-            needed_names.update(field.low.parameters, field.width.parameters)
+            parameters_of_layout.update(field.low.parameters, field.width.parameters)
         open_questions: list[Alternative] = []
         for question in self.alternatives:
-            set_parameters = question.answers[0].sets  # All answers to a question set the same parameters.
-            if not needed_names.isdisjoint(set_parameters):
+            values_set_by_answer = question.answers[0].sets  # All answers to a question set the same parameters.
+            if not parameters_of_layout.isdisjoint(values_set_by_answer):
                 open_questions.append(question)
         return tuple(open_questions)
 
@@ -234,9 +234,11 @@ class Device:
 
         The result is None if there is neither. The interface may be missing while a spec with problems is checked.
         """
-        own_measurements = [candidate.measurement for candidate in self.interfaces if candidate.name == interface]
-        if own_measurements and own_measurements[0] is not None:
-            return own_measurements[0]
+        measurements_of_interface = [
+            device_interface.measurement for device_interface in self.interfaces if device_interface.name == interface
+        ]
+        if measurements_of_interface and measurements_of_interface[0] is not None:
+            return measurements_of_interface[0]
         return self.measurement
 
     def measurement_in(self, interface: str, layout: Layout) -> Measurement | None:
@@ -253,16 +255,16 @@ class Device:
         If values of the order code determine the supply, it is the supply of the first value that has one, and None if
         no value has one, such as an unlisted value. Otherwise it is the supply of the device.
         """
-        has_supply_by_code = False
-        for part in self.order_code.parts:
-            for value in part.values:
-                if value.supply is None:
+        depends_on_order_code = False
+        for code_part in self.order_code.parts:
+            for code_value in code_part.values:
+                if code_value.supply is None:
                     continue
-                has_supply_by_code = True
-                is_value_of_variant = variant.parts.get(part.name) == value.text
+                depends_on_order_code = True
+                is_value_of_variant = variant.parts.get(code_part.name) == code_value.text
                 if is_value_of_variant:
-                    return value.supply
-        return None if has_supply_by_code else self.supply
+                    return code_value.supply
+        return None if depends_on_order_code else self.supply
 
     def position_name(self, interface: str) -> str:
         """Return the name of the field or join with the position. Without a measurement, it is ``position``."""
@@ -279,16 +281,16 @@ class Device:
     @cached_property
     def _position_names(self) -> dict[str, frozenset[str]]:
         """Names of the fields and joins of the position or a part of it, by interface."""
-        position_names = {}
+        names_by_interface = {}
         for interface in self.interfaces:
             position_name = self.position_name(interface.name)
-            names = {position_name}
+            position_and_part_names = {position_name}
             for layout in interface.layouts:
                 for join in layout.joins:
                     if join.name == position_name:
-                        names.update(join.fields)
-            position_names[interface.name] = frozenset(names)
-        return position_names
+                        position_and_part_names.update(join.fields)
+            names_by_interface[interface.name] = frozenset(position_and_part_names)
+        return names_by_interface
 
     def sends_position(self, interface: str, layout: Layout) -> bool:
         """Return whether frames of this layout send the position, or a part of it, to the master."""
@@ -313,7 +315,7 @@ class Device:
         """
         # The device keeps its layouts in memory, so no other layout can have the ``id`` of one of them.
         if id(layout) not in self._ranges_by_layout:
-            interface_names = [interface.name for interface, candidate in self.layouts() if candidate is layout]
+            interface_names = [interface.name for interface, device_layout in self.layouts() if device_layout is layout]
             if not interface_names:
                 return None
             self._ranges_by_layout[id(layout)] = self._range_over(interface_names[0], layout)
@@ -333,17 +335,18 @@ class Device:
         """Results of ``range_in`` so far, because each frame of many needs one."""
         return {}
 
-    def signed_range(self, field: PlacedField, placed: PlacedLayout) -> tuple[int, int]:
+    def signed_range(self, field: PlacedField, placed_layout: PlacedLayout) -> tuple[int, int]:
         """Return the lowest and the highest valid number of a signed field in a frame.
 
         For the position, this is its range. Otherwise it is the range of two's complement in the width of the field.
         """
-        valid_range = self.range_in(placed.layout)
-        if valid_range is None or valid_range.name != field.name:
+        position_range = self.range_in(placed_layout.layout)
+        if position_range is None or position_range.name != field.name:
             # A field without bits for the order code counts as one bit.
             half_of_numbers = 1 << (max(field.width, 1) - 1)
             return -half_of_numbers, half_of_numbers - 1
-        return valid_range.lowest.value(placed.parameters), valid_range.highest.value(placed.parameters)
+        lowest = position_range.lowest.value(placed_layout.parameters)
+        return lowest, position_range.highest.value(placed_layout.parameters)
 
     def register(self, name: str) -> Register:
         return member_named(self.registers, name, "register")
@@ -380,8 +383,8 @@ class Device:
         layouts += [register.layout for register in self.registers]
         layouts_with_crc = [layout for layout in layouts if crc in self.crcs_of(layout)]
         # A CRC in no layout is only used for bytes.
-        is_over_bytes = not layouts_with_crc or any(layout.crc_covers_bytes for layout in layouts_with_crc)
-        return crc.refin and is_over_bytes
+        covers_bytes = not layouts_with_crc or any(layout.crc_covers_bytes for layout in layouts_with_crc)
+        return crc.refin and covers_bytes
 
     def procedure(self, name: str) -> Procedure:
         return member_named(self.procedures, name, "procedure")

@@ -90,22 +90,22 @@ class Expression:
             sign = -1
             position = 1
         while True:
-            match = _TERM_PATTERN.match(text, position)
-            if match is None:
+            factor_match = _TERM_PATTERN.match(text, position)
+            if factor_match is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
-            product = _multiply(product, _parse_factor(match))
-            position = match.end()
-            operator = _OPERATOR_PATTERN.match(text, position)
-            if position < len(text) and operator is None:
+            product = _multiply(product, _parse_factor(factor_match))
+            position = factor_match.end()
+            operator_match = _OPERATOR_PATTERN.match(text, position)
+            if position < len(text) and operator_match is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
             # The term ends here.
-            if operator is None or operator[0] != "*":
+            if operator_match is None or operator_match[0] != "*":
                 total = total + product if sign > 0 else total - product
                 product = cls(1)
-            if operator is None:
+            if operator_match is None:
                 return total
             # A product keeps the sign of its term.
-            sign = {"+": 1, "-": -1, "*": sign}[operator[0]]
+            sign = {"+": 1, "-": -1, "*": sign}[operator_match[0]]
             position += 1
 
     @property
@@ -132,13 +132,13 @@ class Expression:
         """
         total = self.constant
         for term in self.terms:
-            number = term.multiple
+            product = term.multiple
             for factor in term.factors:
-                number *= _value_of_factor(factor, parameters)
+                product *= _value_of_factor(factor, parameters)
                 # Products of products, each a parameter of its own, would grow until the memory is full.
-                if abs(number) >> (2 * LARGEST_EXPONENT):
+                if abs(product) >> (2 * LARGEST_EXPONENT):
                     raise ExpressionError(f"the product is larger than 2^{2 * LARGEST_EXPONENT}")
-            total += number
+            total += product
         return total
 
     def substitute(self, definitions: Mapping[str, Expression]) -> Expression:
@@ -147,15 +147,15 @@ class Expression:
         Parameters in powers and products are kept, because two to the power of a sum is not a sum. A parameter defined
         by a product is also kept, because its name is more readable.
         """
-        total = Expression(self.constant)
+        sum_of_terms = Expression(self.constant)
         for term in self.terms:
             definition = definitions.get(term.factors[0].parameter)
             if definition is None or term.is_product or term.is_power or definition.has_product:
-                total += Expression(0, (term,))
+                sum_of_terms += Expression(0, (term,))
             else:
                 full_definition = definition.substitute(definitions)
-                total += full_definition * Expression(term.multiple)
-        return total
+                sum_of_terms += full_definition * Expression(term.multiple)
+        return sum_of_terms
 
     def __add__(self, other: Expression) -> Expression:
         return _simplify(self.constant + other.constant, self.terms + other.terms)
@@ -190,53 +190,53 @@ class Expression:
         text_of_terms = ""
         for term in self.terms:
             # The multiple is written first, unless it is 1 or -1.
-            factors = [] if abs(term.multiple) == 1 else [f"{abs(term.multiple)}{suffix}"]
+            factor_texts = [] if abs(term.multiple) == 1 else [f"{abs(term.multiple)}{suffix}"]
             for factor in term.factors:
-                parameter = prefix + factor.parameter
-                factors.append(power.format(parameter) if factor.power else parameter)
+                parameter_text = prefix + factor.parameter
+                factor_texts.append(power.format(parameter_text) if factor.power else parameter_text)
             if text_of_terms:
                 text_of_terms += " + " if term.multiple > 0 else " - "
             elif term.multiple <= 0:
                 text_of_terms = "-"
-            text_of_terms += " * ".join(factors)
-        constant = f"{abs(self.constant)}{suffix}"
+            text_of_terms += " * ".join(factor_texts)
+        constant_text = f"{abs(self.constant)}{suffix}"
         if not text_of_terms:
             return f"{self.constant}{suffix}"
         if not self.constant:
             return text_of_terms
         if self.constant < 0:
-            return f"{text_of_terms} - {constant}"
+            return f"{text_of_terms} - {constant_text}"
         if text_of_terms.startswith("-"):
             # ``8 - bits`` instead of ``-bits + 8``.
-            return f"{constant} - {text_of_terms[1:]}"
-        return f"{text_of_terms} + {constant}"
+            return f"{constant_text} - {text_of_terms[1:]}"
+        return f"{text_of_terms} + {constant_text}"
 
 
 def _simplify(constant: int, terms: tuple[Term, ...]) -> Expression:
     """Return the sum of a constant and terms, with one term for equal factors, and with positive terms first."""
-    multiples: dict[tuple[Factor, ...], int] = {}
+    multiple_by_factors: dict[tuple[Factor, ...], int] = {}
     for term in terms:
-        multiples[term.factors] = multiples.get(term.factors, 0) + term.multiple
-    remaining = (Term(multiple, factors) for factors, multiple in multiples.items() if multiple)
+        multiple_by_factors[term.factors] = multiple_by_factors.get(term.factors, 0) + term.multiple
+    nonzero_terms = (Term(multiple, factors) for factors, multiple in multiple_by_factors.items() if multiple)
     # False comes before True, and terms of one sign keep their order.
-    positive_first = sorted(remaining, key=lambda term: term.multiple < 0)
+    positive_first = sorted(nonzero_terms, key=lambda term: term.multiple < 0)
     return Expression(constant, tuple(positive_first))
 
 
-def _parse_factor(match: re.Match[str]) -> Expression:
+def _parse_factor(factor_match: re.Match[str]) -> Expression:
     """Return the expression for a single factor in a text: a number, a parameter, or two to the power of either.
 
     Raises:
         ExpressionError: The number or the power is out of range.
     """
-    is_power = match["power"] is not None
-    if match["name"] is not None:
-        factor = Factor(match["name"], power=is_power)
+    is_power = factor_match["power"] is not None
+    if factor_match["name"] is not None:
+        factor = Factor(factor_match["name"], power=is_power)
         return Expression(constant=0, terms=(Term(multiple=1, factors=(factor,)),))
-    digits = match["hex"] or match["number"]
+    digits = factor_match["hex"] or factor_match["number"]
     if len(digits) > _MOST_DIGITS:
         raise ExpressionError(f"a number of {len(digits)} characters is larger than any field can hold")
-    number = int(match["hex"], 16) if match["hex"] else int(match["number"])
+    number = int(factor_match["hex"], 16) if factor_match["hex"] else int(factor_match["number"])
     if is_power and number > LARGEST_EXPONENT:
         raise ExpressionError(f"2^{number} is larger than any field can hold")
     return Expression(2**number if is_power else number)
@@ -249,11 +249,11 @@ def _multiply(product: Expression, factor: Expression) -> Expression:
         ExpressionError: The number in the product is too large.
     """
     new_product = product * factor
-    numbers = [abs(new_product.constant) if product.is_constant and factor.is_constant else 0]
-    numbers += [abs(term.multiple) for term in new_product.terms]
+    sizes_of_numbers = [abs(new_product.constant) if product.is_constant and factor.is_constant else 0]
+    sizes_of_numbers += [abs(term.multiple) for term in new_product.terms]
     is_product = product != Expression(1)
-    if is_product and max(numbers) > LARGEST_MULTIPLE:
-        raise ExpressionError(f"{max(numbers)} in a product is larger than {LARGEST_MULTIPLE}")
+    if is_product and max(sizes_of_numbers) > LARGEST_MULTIPLE:
+        raise ExpressionError(f"{max(sizes_of_numbers)} in a product is larger than {LARGEST_MULTIPLE}")
     return new_product
 
 
@@ -265,12 +265,12 @@ def _value_of_factor(factor: Factor, parameters: Mapping[str, int]) -> int:
     """
     if factor.parameter not in parameters:
         raise ExpressionError(f"there is no parameter '{factor.parameter}'")
-    number = parameters[factor.parameter]
+    parameter_value = parameters[factor.parameter]
     if not factor.power:
-        return number
-    if not 0 <= number <= LARGEST_EXPONENT:
-        raise ExpressionError(f"2^{factor.parameter} is too large with {factor.parameter} = {number}")
-    return 1 << number
+        return parameter_value
+    if not 0 <= parameter_value <= LARGEST_EXPONENT:
+        raise ExpressionError(f"2^{factor.parameter} is too large with {factor.parameter} = {parameter_value}")
+    return 1 << parameter_value
 
 
 def resolve_parameters(known_values: Mapping[str, int], definitions: Mapping[str, Expression]) -> Mapping[str, int]:

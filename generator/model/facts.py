@@ -166,7 +166,7 @@ class Connector:
         least=0,
         default=(),
         rule="contact",
-        shape="[name]",
+        data_type="[name]",
     )
     mating: Prose = key("Mating connector.", default="", rule="words")
     contacts: tuple[Contact, ...] = key("Contacts of the connector, or wires of the cable.")
@@ -225,7 +225,7 @@ class Quantity:
         data="Kind of quantity, such as torque.",
         label="kind",
         read="characteristic",
-        shape="string",
+        data_type="string",
     )
     where: Phrase = key(
         "Part or condition to which it applies, if there are several.",
@@ -264,7 +264,7 @@ class Quantity:
         "µs",
         "Ω",
         "Ω/km",
-    ] = key("Unit of the numbers.", read="characteristic", shape="string")
+    ] = key("Unit of the numbers.", read="characteristic", data_type="string")
 
 
 @part("A fact that is only displayed, never used in computations.")

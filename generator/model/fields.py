@@ -330,17 +330,20 @@ def signs_of_values(field: Field) -> list[Sign]:
     The flag has no bits in the frame. It is active while the field has the value.
     """
     signs: list[Sign] = []
-    for value in field.values:
-        if value.makes_position is None:
+    for named_value in field.values:
+        if named_value.makes_position is None:
             continue
         flag = Flag(
-            when_active=value.meaning or f"{field.name} is {value.name}",
-            makes_position=value.makes_position,
+            when_active=named_value.meaning or f"{field.name} is {named_value.name}",
+            makes_position=named_value.makes_position,
         )
         flag_field = _field_without_bits(
-            f"{field.name}_{value.name}", flag, value.printed_name, source=value.source or field.source
+            f"{field.name}_{named_value.name}",
+            flag,
+            named_value.printed_name,
+            source=named_value.source or field.source,
         )
-        signs.append(Sign(flag_field, conditions=((field.name, value.value),)))
+        signs.append(Sign(flag_field, conditions=((field.name, named_value.value),)))
     return signs
 
 
@@ -358,12 +361,12 @@ def sign_of_combination(combination: Combination, fields: Iterable[Field]) -> Si
         remedy=combination.remedy,
         source=combination.source,
     )
-    fields_by_name = {field.name: field for field in fields}
+    field_by_name = {field.name: field for field in fields}
     conditions: list[tuple[str, int]] = []
     for condition in combination.when:
         # Such as ``error.active`` for a flag, and ``battery.low`` for a named value.
         name, _, value_name = condition.partition(".")
-        field = fields_by_name[name]
+        field = field_by_name[name]
         is_flag = isinstance(field.kind, Flag)
         number = int(value_name == "active") if is_flag else field.value_named(value_name).value
         conditions.append((name, number))

@@ -84,7 +84,7 @@ class Timeout:
     """Timeout after a frame. ``rule`` is ``follows_clock`` or ``fixed``."""
 
     rule: Literal["follows_clock", "fixed"] = key(
-        "Rule of the timeout: it depends on the clock, or it is fixed.", read="time", shape="name"
+        "Rule of the timeout: it depends on the clock, or it is fixed.", read="time", data_type="name"
     )
     half_clock_periods: int | None = key(
         "Length in half clock periods: 3 is one and a half periods.",
@@ -166,7 +166,7 @@ class DataChannels:
         "Fields with the same position, by layout, as in {cpw: singleturn, spw: safe_singleturn}. Their "
         "highest bits must agree, otherwise the position is not usable.",
         data="Fields whose highest bits must agree, by layout.",
-        shape="{string}",
+        data_type="{string}",
         most=8,
         default=NOTHING,
         rule="channels-of-frame",
@@ -264,13 +264,13 @@ class PlacedChannels:
 
         With channels of 4 and 8 bits, the frame 0xABC has the bits 0xA and 0xBC.
         """
-        numbers = []
+        channel_numbers = []
         low_bit = self.bits
         for channel in self.channels:
             low_bit -= channel.bits
             mask = (1 << channel.bits) - 1
-            numbers.append((frame >> low_bit) & mask)
-        return tuple(numbers)
+            channel_numbers.append((frame >> low_bit) & mask)
+        return tuple(channel_numbers)
 
     def join(self, numbers: Sequence[int]) -> int:
         """Return the frame with these bits of each channel."""
@@ -279,22 +279,22 @@ class PlacedChannels:
             frame = (frame << channel.bits) | number
         return frame
 
-    def compared_numbers(self, values: Sequence[Mapping[str, object]]) -> Iterator[int]:
-        """Yield the highest bits of each compared field. ``values`` contains the values of each channel, by field."""
-        for channel, values_of_channel in zip(self.channels, values, strict=True):
-            name = self.compared.get(channel.name)
-            if name is not None:
-                number = values_of_channel[name]
+    def compared_numbers(self, values_of_channels: Sequence[Mapping[str, object]]) -> Iterator[int]:
+        """Yield the highest bits of each compared field, from the values of each channel, by field."""
+        for channel, values_of_channel in zip(self.channels, values_of_channels, strict=True):
+            compared_field_name = self.compared.get(channel.name)
+            if compared_field_name is not None:
+                number = values_of_channel[compared_field_name]
                 assert isinstance(number, int)
-                lower_bits = channel.field(name).width - self.compared_bits
+                lower_bits = channel.field(compared_field_name).width - self.compared_bits
                 yield number >> lower_bits
 
-    def agree(self, values: Sequence[Mapping[str, object]]) -> bool:
+    def agree(self, values_of_channels: Sequence[Mapping[str, object]]) -> bool:
         """Return True if the positions in the compared fields of all channels agree with the first one.
 
-        ``values`` contains the values of each channel, by field. At least one field must be compared.
+        ``values_of_channels`` contains the values of each channel, by field. At least one field must be compared.
         """
-        first_number, *other_numbers = self.compared_numbers(values)
+        first_number, *other_numbers = self.compared_numbers(values_of_channels)
         return all(self._are_close(first_number, number) for number in other_numbers)
 
     def _are_close(self, position: int, other_position: int) -> bool:

@@ -107,7 +107,7 @@ class Exchange:
 
 @part("Permitted connections of the encoder.")
 class Network:
-    topology: Literal["point_to_point", "bus"] = key("Topology of master and slave.", read="setting", shape="name")
+    topology: Literal["point_to_point", "bus"] = key("Topology of master and slave.", read="setting", data_type="name")
     multiple_slaves: bool = key("True if more than one slave may be connected.", read="setting")
     source: Sources = source_key()
 
@@ -212,11 +212,11 @@ class Port:
     baud: int = key("Bits per second.", minimum=1, rule="port", read="clock", noun="baud rate")
     data_bits: int = key("Data bits of a character.", minimum=5, maximum=9, rule="port", read="setting")
     parity: Literal["none", "even", "odd"] = key(
-        "Parity bit of a character.", rule="port", read="setting", shape="name"
+        "Parity bit of a character.", rule="port", read="setting", data_type="name"
     )
     stop_bits: int = key("Stop bits of a character.", minimum=1, maximum=2, rule="port", read="setting")
     flow_control: Literal["", "none", "hardware", "software"] = key(
-        "Flow control.", default="", rule="port", read="setting", shape="name"
+        "Flow control.", default="", rule="port", read="setting", data_type="name"
     )
     source: Sources = source_key()
 
@@ -236,7 +236,7 @@ class DataId:
         label="control byte",
     )
     purpose: Literal["capture", "write", "read", "reset"] = key(
-        "Effect of the request.", rule="data-id-changed", read="setting", shape="name"
+        "Effect of the request.", rule="data-id-changed", read="setting", data_type="name"
     )
     meaning: Prose = meaning_key("Meaning of the request.", default="")
     source: Sources = source_key()
@@ -246,7 +246,7 @@ class DataId:
 class MemoryAccess:
     """Meaning of the busy flag in a reply to a memory access."""
 
-    access: Literal["read", "write"] = key("Kind of access: reading or writing.", shape="name")
+    access: Literal["read", "write"] = key("Kind of access: reading or writing.", data_type="name")
     busy: int = key("The busy flag of the reply.", minimum=0, maximum=1)
     address: Phrase = key("Content of the address field.")
     data: Phrase = key("Content of the data field.")

@@ -214,30 +214,30 @@ def key_type(text: str) -> KeyType:
     """Return the type of a key for the annotation in its class, such as ``tuple[Name, ...]`` or ``Count | None``."""
     if text.endswith(" | None"):
         return key_type(text.removesuffix(" | None"))._replace(is_optional=True)
-    choice = _LITERAL_TYPE.fullmatch(text)
-    if choice is not None:
-        return KeyType(choices=tuple(ast.literal_eval(choice["words"])))
+    choice_match = _LITERAL_TYPE.fullmatch(text)
+    if choice_match is not None:
+        return KeyType(choices=tuple(ast.literal_eval(choice_match["words"])))
     for container, pattern in _CONTAINER_PATTERNS.items():
-        match = pattern.fullmatch(text)
-        if match is not None:
-            key_word = match["key"] if container == "map" else ""
-            return KeyType(container=container, content=(key_type(match["inner"]),), key_word=key_word)
+        container_match = pattern.fullmatch(text)
+        if container_match is not None:
+            key_word = container_match["key"] if container == "map" else ""
+            return KeyType(container=container, content=(key_type(container_match["inner"]),), key_word=key_word)
     return KeyType(text)
 
 
-def data_notation(described: DescribedKey) -> str:
+def data_notation(described_key: DescribedKey) -> str:
     """Return the notation of a key in the data, such as ``count?``, or ``boolean=false`` with a default.
 
     It is empty for a key that does not occur in the data.
     """
-    if described.key.shape:
-        return described.key.shape
-    kind = key_type(described.notation)
-    if kind.is_optional:
-        return f"{kind.notation}?"
-    if isinstance(described.default, bool):
-        return f"{kind.notation}={str(described.default).lower()}"
-    return kind.notation
+    if described_key.key.data_type:
+        return described_key.key.data_type
+    type_of_key = key_type(described_key.notation)
+    if type_of_key.is_optional:
+        return f"{type_of_key.notation}?"
+    if isinstance(described_key.default, bool):
+        return f"{type_of_key.notation}={str(described_key.default).lower()}"
+    return type_of_key.notation
 
 
 def limits_in_schema(key: SpecKey) -> JsonSchema:
@@ -273,7 +273,7 @@ class ModelMember:
 
     Attributes:
         name: Name in the data, in JSON and XML.
-        shape: Type in the data. Empty for a member that is not in the data.
+        data_type: Type in the data. Empty for a member that is not in the data.
 
             * ``string``, ``integer``, ``boolean``, ``hex`` (an integer in hexadecimal) or ``scalar`` (any of them)
             * the name of a part or of a basic type: ``register``, ``text``, ``name``, ``names``, ``expression``
@@ -288,13 +288,13 @@ class ModelMember:
             or whose facts have several parts.
         noun: Name in messages about second readings, where ``label`` does not name a thing.
         form: Notation in sentences: ``hex``, ``bytes``, ``word``, ``level``, ``unit``, ``plain``, or a unit. By default
-            it follows from the shape or the name.
+            it follows from the type or the name.
         refers_to: Kind of thing that the member names, so that ``diff`` takes a renaming into account.
-        of: Name in the model, if it differs from ``name``.
+        attribute_name: Name in the model, if it differs from ``name``.
     """
 
     name: str
-    shape: str = ""
+    data_type: str = ""
     about: str = ""
     rule: str = ""
     label: str = ""
@@ -302,12 +302,12 @@ class ModelMember:
     noun: str = ""
     form: str = ""
     refers_to: str = ""
-    of: str = ""
+    attribute_name: str = ""
 
     @property
     def attribute(self) -> str:
         """Name in the model."""
-        return self.of or self.name
+        return self.attribute_name or self.name
 
     @property
     def words(self) -> str:
@@ -319,14 +319,14 @@ class ModelMember:
         """Notation of numbers in sentences: ``form``, ``hex``, or the unit at the end of the name, such as ``us``."""
         if self.form:
             return self.form
-        if self.shape.startswith("hex"):
+        if self.data_type.startswith("hex"):
             return "hex"
         _, _, unit = self.attribute.rpartition("_")
         return unit if unit in _NOTATION_BY_ENDING else ""
 
     def is_stated(self, value: object) -> bool:
         """Return True if the manual states a value, and not just the default."""
-        _, _, default = self.shape.partition("=")  # ``false`` of ``boolean=false``.
+        _, _, default = self.data_type.partition("=")  # ``false`` of ``boolean=false``.
         is_default = bool(default) and str(value).lower() == default
         return value not in (None, "", ()) and not is_default
 
@@ -344,7 +344,7 @@ class ModelMember:
 class ModelPart:
     """A part of the model with its members in the order of the data.
 
-    ``of`` names the classes of the model if their names differ from the name of the part. ``identity`` names the
+    ``class_names`` are the classes of the model if they differ from the name of the part. ``identity`` names the
     members by which a part is recognized if it has another name in another version. A part that ``is_sourced`` also has
     its sources in the data.
     """
@@ -354,7 +354,7 @@ class ModelPart:
         name: str,
         about: str,
         *members: ModelMember,
-        of: str | None = None,
+        class_names: str | None = None,
         identity: str = "",
         is_sourced: bool = True,
     ) -> None:
@@ -364,8 +364,8 @@ class ModelPart:
         self.members = members
         self.is_sourced = is_sourced
         name_in_camel_case = "".join(word.capitalize() for word in name.split("_"))
-        class_names = name_in_camel_case if of is None else of  # Separated by blanks.
-        self.classes = tuple(class_names.split())
+        #: The names of its classes. By default, it has one class, with its own name.
+        self.classes = (name_in_camel_case,) if class_names is None else tuple(class_names.split())
         #: The members by their names in the model. Of several with one name, the first counts.
         self.by_attribute = {member.attribute: member for member in reversed(members)}
 
@@ -385,17 +385,17 @@ def described_part(part_class: Any, *additional: ModelMember, after: str = "", n
     """
     description = description_of(part_class)
     members = []
-    for described in keys_of(part_class):
-        if described.name == "source":
+    for described_key in keys_of(part_class):
+        if described_key.name == "source":
             continue
-        members.append(_build_member(described))
-        if described.name == after:
+        members.append(_build_member(described_key))
+        if described_key.name == after:
             members += additional
     return ModelPart(
         name or name_of_part(part_class.__name__),
         description.data or description.about,
         *members,
-        of=part_class.__name__,
+        class_names=part_class.__name__,
         identity=description.identity,
         is_sourced=description.is_sourced,
     )

@@ -84,11 +84,11 @@ class DigitCode(NamedTuple):
         base = len(self.codes)
         complete_digits, bits_of_top_digit = divmod(width, self.bits)
         # Number of digits, from 0 up, whose code fits in the bits of the first digit.
-        top_digits = 1
+        possible_top_digits = 1
         if bits_of_top_digit:
             too_wide_digits = (digit for digit, code in enumerate(self.codes) if code >> bits_of_top_digit)
-            top_digits = next(too_wide_digits, base)
-        return top_digits * int(base**complete_digits) - 1
+            possible_top_digits = next(too_wide_digits, base)
+        return possible_top_digits * int(base**complete_digits) - 1
 
 
 class WholeCode(NamedTuple):
@@ -107,14 +107,14 @@ class WholeCode(NamedTuple):
 DIGIT_CODES: Mapping[str, DigitCode | WholeCode] = MappingProxyType({"bcd": DigitCode("BCD", 4, tuple(range(10)))})
 
 
-def code_in_field(name: str, width: int) -> DigitCode | None:
-    """Return the code ``name`` of ``DIGIT_CODES`` for a field of ``width`` bits, or None without a name."""
-    if not name:
+def code_in_field(code_name: str, bit_count: int) -> DigitCode | None:
+    """Return the code ``code_name`` of ``DIGIT_CODES`` for a field of ``bit_count`` bits, or None without a name."""
+    if not code_name:
         return None
-    code = DIGIT_CODES[name]
-    if isinstance(code, WholeCode):
-        return DigitCode(name=code.name, bits=width, codes=tuple(code.codes_of(width)))
-    return code
+    digit_code = DIGIT_CODES[code_name]
+    if isinstance(digit_code, WholeCode):
+        return DigitCode(name=digit_code.name, bits=bit_count, codes=tuple(digit_code.codes_of(bit_count)))
+    return digit_code
 
 
 @part("A group of decimal digits.", data="Decimal digits inside a number: number // divisor % modulus.")
@@ -393,7 +393,7 @@ class Scale:
         "µm",
         "µs",
         "Ω",
-    ] = key("Unit of the quantity.", shape="string")
+    ] = key("Unit of the quantity.", data_type="string")
     source: Sources = source_key(default=())
 
     def quantity(self, number: int) -> Fraction:

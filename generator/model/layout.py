@@ -151,8 +151,8 @@ class Layout:
         for sign in self.signs:
             if _is_flag_with_verdict(sign.flag.kind):
                 # All fields of a combination of values have the same widths for all order codes, so one is enough.
-                name, _ = sign.conditions[0]
-                judging_names.add(name)
+                first_field_name, _ = sign.conditions[0]
+                judging_names.add(first_field_name)
         return tuple(field for field in self.fields if field.name in judging_names)
 
     @cached_property
@@ -204,12 +204,12 @@ class Layout:
     @cached_property
     def exchanged_bytes(self) -> tuple[tuple[int, int], ...]:
         """First byte of each field with a byte order of its own, and the byte after it, in sending order."""
-        spans: list[tuple[int, int]] = []
+        byte_ranges: list[tuple[int, int]] = []
         for exchanged_field in self.fields:
             if exchanged_field.byte_order:
                 byte_indices = [bit_slice.byte for bit_slice in exchanged_field.bit_slices]
-                spans.append((min(byte_indices), max(byte_indices) + 1))
-        return tuple(spans)
+                byte_ranges.append((min(byte_indices), max(byte_indices) + 1))
+        return tuple(byte_ranges)
 
     @property
     def lowest_bits_of_bytes(self) -> list[int]:
@@ -247,18 +247,18 @@ class Layout:
         becomes an unexplained flag.
         """
         placed_fields = (field.place(parameters) for field in self.fields)
-        fields_by_name = {field.name: field for field in placed_fields if field.width > 0}
+        placed_field_by_name = {field.name: field for field in placed_fields if field.width > 0}
         is_gray_enabled = not self.gray_when or bool(parameters.get(self.gray_when))
-        placed_unused: list[tuple[PlacedField, int]] = []
+        unused_fields_with_bits: list[tuple[PlacedField, int]] = []
         for unused_field, low_bit in self.unused:
-            if unused_field.name in fields_by_name:
-                placed_unused.append((fields_by_name[unused_field.name], low_bit))
+            if unused_field.name in placed_field_by_name:
+                unused_fields_with_bits.append((placed_field_by_name[unused_field.name], low_bit))
         return PlacedLayout(
             layout=self,
             bits=self.bits.value(parameters),
-            fields=tuple(fields_by_name.values()),
+            fields=tuple(placed_field_by_name.values()),
             gray=bool(self.gray_of) and is_gray_enabled,
-            unused=tuple(placed_unused),
+            unused=tuple(unused_fields_with_bits),
             parameters=parameters,
         )
 
@@ -274,22 +274,22 @@ def _pack_by_byte(fields: Sequence[Field]) -> tuple[tuple[Field, int], ...]:
         low_bit = unused_field.low.constant
         high_bit = low_bit + unused_field.widest - 1
         occupied_bytes.update(range(low_bit // 8, high_bit // 8 + 1))
-    index_of_byte = {byte: index for index, byte in enumerate(sorted(occupied_bytes))}
-    placed_fields = []
+    packed_index_by_byte = {byte_index: index for index, byte_index in enumerate(sorted(occupied_bytes))}
+    packed_fields = []
     for unused_field in lowest_first:
-        byte, bit_in_byte = divmod(unused_field.low.constant, 8)
-        placed_fields.append((unused_field, 8 * index_of_byte[byte] + bit_in_byte))
-    return tuple(placed_fields)
+        byte_index, bit_in_byte = divmod(unused_field.low.constant, 8)
+        packed_fields.append((unused_field, 8 * packed_index_by_byte[byte_index] + bit_in_byte))
+    return tuple(packed_fields)
 
 
 def _pack_by_bit(lowest_first: Iterable[Field]) -> tuple[tuple[Field, int], ...]:
     """Return the fields, each with its lowest bit in a number in which they are adjacent, in their widest form."""
-    placed_fields = []
+    packed_fields = []
     low_bit = 0
     for unused_field in lowest_first:
-        placed_fields.append((unused_field, low_bit))
+        packed_fields.append((unused_field, low_bit))
         low_bit += unused_field.widest
-    return tuple(placed_fields)
+    return tuple(packed_fields)
 
 
 @dataclass(frozen=True)
@@ -416,11 +416,11 @@ def differ_in_length(layouts: Sequence[Layout], sender: str) -> bool:
 
     The length of a frame in bytes then matters, so leading zeros must not be left out.
     """
-    lengths_by_channel: dict[int | None, set[Expression]] = {}
+    widths_by_channel: dict[int | None, set[Expression]] = {}
     for layout in layouts:
         if layout.sender == sender:
-            lengths_by_channel.setdefault(layout.channel, set()).add(layout.bits)
-    return any(len(lengths) > 1 for lengths in lengths_by_channel.values())
+            widths_by_channel.setdefault(layout.channel, set()).add(layout.bits)
+    return any(len(widths) > 1 for widths in widths_by_channel.values())
 
 
 def number_from_bytes(layout: Layout, data: bytes) -> int:

@@ -67,7 +67,7 @@ class Evidence:
         "share no code, and a vector of real hardware passes. Corroborated, no hardware frame seen: the same "
         "without such a vector. Uncorroborated: less than that.",
         rule="evidence",
-        shape="string",
+        data_type="string",
     )
     documents: Mapping[Name, Phrase] = key(
         "Documents of the manufacturer, or texts that quote them, with the pages that were read: "

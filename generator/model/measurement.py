@@ -183,8 +183,8 @@ class Measurement:
         from fractions import Fraction
 
         if self.step_nm is not None:
-            counts = self.per_counts.value(parameters) if self.per_counts is not None else 1
-            return Fraction(self.step_nm.value(parameters), 1000 * counts)
+            counts_per_step = self.per_counts.value(parameters) if self.per_counts is not None else 1
+            return Fraction(self.step_nm.value(parameters), 1000 * counts_per_step)
         if self.step_um is None:
             return None
         return Fraction(self.step_um.value(parameters))
@@ -272,11 +272,11 @@ def _signed_range(measurement: Measurement, field: Field) -> PositionRange | Non
 
     The result is None if the measurement gives no number of counts or no highest position.
     """
-    total = measurement.total
+    total_counts = measurement.total
     highest = measurement.highest
-    if total is None or highest is None:
+    if total_counts is None or highest is None:
         return None
-    lowest = highest - total + Expression(1)
+    lowest = highest - total_counts + Expression(1)
     return PositionRange(field.name, (field,), lowest, highest)
 
 
@@ -288,8 +288,8 @@ def _unsigned_range(
     It is the range of the revolutions if the position has two fields, of which the low one counts exactly one
     revolution. Otherwise it is the range of the whole position, if the number of counts is known.
     """
-    total = measurement.total
-    if total is None or not fields or any(field.number.signed for field in fields):
+    total_counts = measurement.total
+    if total_counts is None or not fields or any(field.number.signed for field in fields):
         return None
     if _counts_turns_alone(measurement, fields, parameter_sets):
         assert measurement.turns is not None
@@ -297,7 +297,7 @@ def _unsigned_range(
         highest_turn = measurement.turns - Expression(1)
         return PositionRange(high_field.name, (high_field,), lowest=Expression(0), highest=highest_turn)
     name = fields[0].name if len(fields) == 1 else measurement.position_name
-    highest = measurement.highest or total - Expression(1)
+    highest = measurement.highest or total_counts - Expression(1)
     return PositionRange(name, tuple(fields), lowest=Expression(0), highest=highest)
 
 

@@ -126,7 +126,7 @@ class SpecKey(NamedTuple):
         writing: Further sentences for the author of a spec.
         reading: Further sentences for users of the data.
         data: Description for users of the data, if it is not ``about`` with ``reading``.
-        shape: Type in the data, if it does not follow from the type of the key.
+        data_type: Type in the data, if it does not follow from the type of the key.
         is_written: True if specs contain the key.
         pattern: Regular expression of a text.
         minimum: Lowest number.
@@ -145,7 +145,7 @@ class SpecKey(NamedTuple):
     writing: str = ""
     reading: str = ""
     data: str = ""
-    shape: str = ""
+    data_type: str = ""
     is_written: bool = True
     pattern: str = ""
     minimum: int | None = None
@@ -194,8 +194,8 @@ def key(about: str, *, default: Any = MISSING, **options: Any) -> Any:
 
     ``options`` are attributes of ``SpecKey``, such as ``minimum``, and of ``ModelMember``, such as ``rule``.
     """
-    own_options = {name: options.pop(name) for name in list(options) if name in SpecKey._fields}
-    metadata = {_KEY_METADATA: SpecKey(about, member=options, **own_options)}
+    options_of_key = {name: options.pop(name) for name in list(options) if name in SpecKey._fields}
+    metadata = {_KEY_METADATA: SpecKey(about, member=options, **options_of_key)}
     if isinstance(default, Mapping):  # Python 3.11 rejects it as a default, because it has no hash.
         return field(default_factory=lambda: default, metadata=metadata)
     return field(default=default, metadata=metadata)

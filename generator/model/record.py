@@ -50,8 +50,8 @@ def _is_equal(self: Any, other: Any) -> Any:
     part_class = self.__class__
     if other.__class__ is not part_class:
         return NotImplemented
-    values = _values_of(part_class)
-    return values(self) == values(other)
+    compared_values = _values_of(part_class)
+    return compared_values(self) == compared_values(other)
 
 
 def _hash_of(self: Any) -> int:
@@ -90,19 +90,19 @@ def _init_of(part_class: type) -> Any:
     statements = ["pass"]
     for field in fields(part_class):
         name = field.name
-        value = field.name
+        value_text = field.name
         if field.default_factory is not MISSING:
             namespace[f"_of_{name}"] = field.default_factory
             namespace[f"_{name}"] = MISSING
-            value = f"_of_{name}() if {name} is _{name} else {name}"
+            value_text = f"_of_{name}() if {name} is _{name} else {name}"
         elif field.default is not MISSING:
             namespace[f"_{name}"] = field.default
-        parameter = f"{name}=_{name}" if f"_{name}" in namespace else name
+        parameter_text = f"{name}=_{name}" if f"_{name}" in namespace else name
         if field.kw_only:
-            keyword_parameters.append(parameter)
+            keyword_parameters.append(parameter_text)
         else:
-            positional_parameters.append(parameter)
-        statements.append(f"_set(self, {name!r}, {value})")
+            positional_parameters.append(parameter_text)
+        statements.append(f"_set(self, {name!r}, {value_text})")
     # Python allows the asterisk only before a parameter.
     has_keyword_parameters = len(keyword_parameters) > 1
     parameters = [*positional_parameters, *(keyword_parameters if has_keyword_parameters else ())]

@@ -131,12 +131,12 @@ def numbers_that_fit(register: Register, placed_layout: PlacedLayout) -> tuple[i
 
     With 8 bits, these are -128 and 127 for a signed field, and 0 and 255 otherwise.
     """
-    width = bounded_width(register, placed_layout)
+    bit_count = bounded_width(register, placed_layout)
     # None for a join or a whole register, which are never signed.
     limited_field = placed_layout.find_field(name_with_limits(register))
     if limited_field is not None and limited_field.field.number.signed:
-        return -(1 << (width - 1)), (1 << (width - 1)) - 1
-    return 0, (1 << width) - 1
+        return -(1 << (bit_count - 1)), (1 << (bit_count - 1)) - 1
+    return 0, (1 << bit_count) - 1
 
 
 def value_bounds(
@@ -275,21 +275,21 @@ _NUMBER_IN_LIST = re.compile(r"(?:^|(?<=\s))(\d{1,3})\.\s+")
 _FEWEST_LISTED_STEPS = 3
 
 
-def steps_of(characteristic_value: str) -> tuple[str, ...]:
+def steps_of(text: str) -> tuple[str, ...]:
     """Return the text before the first numbered step in a text, then the text of each step.
 
     If the text contains no steps that are numbered from 1, the result contains only the text.
     """
-    matches = list(_NUMBER_IN_LIST.finditer(characteristic_value))
-    numbers = [int(match[1]) for match in matches]
+    number_matches = list(_NUMBER_IN_LIST.finditer(text))
+    numbers = [int(number_match[1]) for number_match in number_matches]
     are_numbers_of_steps = numbers == list(range(1, len(numbers) + 1))
     if not numbers or not are_numbers_of_steps:
-        return (characteristic_value,)
-    texts = [characteristic_value[: matches[0].start()].strip()]
-    ends_of_steps = [*(match.start() for match in matches[1:]), len(characteristic_value)]
-    for match, end in zip(matches, ends_of_steps, strict=True):
-        texts.append(characteristic_value[match.end() : end].strip())
-    return tuple(texts)
+        return (text,)
+    step_texts = [text[: number_matches[0].start()].strip()]
+    step_ends = [*(number_match.start() for number_match in number_matches[1:]), len(text)]
+    for number_match, end in zip(number_matches, step_ends, strict=True):
+        step_texts.append(text[number_match.end() : end].strip())
+    return tuple(step_texts)
 
 
 def has_steps(characteristic_value: str) -> bool:

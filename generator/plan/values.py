@@ -85,7 +85,7 @@ def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange
     if measurement is None:
         return ()
     sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
-    layouts_with_position = [layout for layout in sent_layouts if measurement.of in layout.member_names]
+    layouts_with_position = [layout for layout in sent_layouts if measurement.position_name in layout.member_names]
     if not layouts_with_position:
         only_range = PositionRange(
             measurement=measurement, never_wraps=False, signed_field=None, layouts=tuple(sent_layouts)
@@ -106,7 +106,7 @@ def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange
 def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
     """Return the range of the position in one layout: the range of the measurement, or a narrower one of the layout."""
     range_of_layout = layout.position_range
-    position_name = measurement.of
+    position_name = measurement.position_name
     # A position that several fields form together has no field of this name, and is unsigned.
     signed_fields = [field for field in layout.fields if field.name == position_name and field.number.signed]
     return PositionRange(

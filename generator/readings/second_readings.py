@@ -159,7 +159,7 @@ def second_of(document: Document, manufacturer: Manufacturer, report: ProblemRep
 
 def comparable_specs(families: Iterable[Family], report: ProblemReport) -> frozenset[str]:
     """Return the spec files that can be compared with second readings: those without faults in the report so far."""
-    valid_families = (family for family in families if not report.faults((family.plain or family).document))
+    valid_families = (family for family in families if not report.faults((family.without_overlays or family).document))
     return frozenset(family.document.file for family in valid_families)
 
 
@@ -180,7 +180,7 @@ def compare_readings(
     coverages = []
     for loaded_family in families:
         # A reader reads only the manual, so the family is compared without overlays.
-        family = loaded_family.plain or loaded_family
+        family = loaded_family.without_overlays or loaded_family
         is_derived = bool(family.device.base)
         second = read(family, report) if not is_derived else None
         if second is None or second.facts is None or family.document.file not in valid_files:

@@ -235,7 +235,7 @@ def _bool_text(member: ModelMember, is_true: bool) -> str:
     if member.form == "level":
         return "low" if is_true else "high"
     # A member with a default, such as ``boolean=false``, is a property that the item has or lacks.
-    if "=" in member.shape:
+    if "=" in member.data_type:
         return "yes" if is_true else "no"
     return "true" if is_true else "false"
 

@@ -68,7 +68,7 @@ def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
     sent_layouts = encoder.layouts(sender="encoder")
     measurement = encoder.device.measurement_of(encoder.variant.interface)
     # The name of the number that is the position. Fields can be parts of it.
-    position_name = measurement.of if measurement is not None else "position"
+    position_name = measurement.position_name if measurement is not None else "position"
     for layout in sent_layouts:
         has_whole_position = position_name in layout.member_names
         is_wanted = layout.name == name if name else has_whole_position

@@ -34,7 +34,7 @@ _POSITION_NAME = "position"
 def position_name(device: Device, variant: Variant) -> str:
     """Return the name of the position in the frames of an order code, or ``position`` without a measurement."""
     measurement = device.measurement_of(variant.interface)
-    return measurement.of if measurement is not None else _POSITION_NAME
+    return measurement.position_name if measurement is not None else _POSITION_NAME
 
 
 def other_positions(

@@ -11,7 +11,7 @@ import jsonschema
 import pytest
 from codewheel.commands.decode.plain_data import decoded_data
 from codewheel.dump.plain import device_dump, variant_dump
-from codewheel.dump.schema import show_schema
+from codewheel.dump.schema import schema_of_device_data
 from codewheel.language.files import is_second, is_word_sheet
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
@@ -40,14 +40,14 @@ def faults(checker: Any, data: object) -> list[str]:
 
 
 def test_families_have_the_shape(devices: Mapping[str, Device]) -> None:
-    checker = validator(show_schema())
+    checker = validator(schema_of_device_data())
     for device in devices.values():
         assert faults(checker, device_dump(device)) == []
 
 
 def test_order_codes_have_the_shape_and_no_expressions(devices: Mapping[str, Device]) -> None:
     """Validation is slow, so only the last order code of each interface is validated."""
-    checker = validator(show_schema())
+    checker = validator(schema_of_device_data())
     for device in devices.values():
         last = {variant.interface: variant for variant in device.variants}
         for variant in device.variants:
@@ -69,7 +69,7 @@ def _check_order_code(dump: Any, variant: Variant) -> None:
 
 
 def test_the_schema_refuses_another_shape(amm5: Device) -> None:
-    checker = validator(show_schema())
+    checker = validator(schema_of_device_data())
     assert not checker.is_valid(device_dump(amm5) | {"more": 1})
     assert not checker.is_valid({key: value for key, value in device_dump(amm5).items() if key != "crcs"})
 

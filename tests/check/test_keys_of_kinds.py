@@ -256,7 +256,12 @@ def test_a_field_of_each_kind_is_valid_without_them(tmp_path: Path) -> None:
 def test_each_key_of_a_kind_makes_its_own_kind() -> None:
     """Without its case in ``build_kind``, a field with the key would silently be a number."""
     context = LayoutContext(
-        ProblemReport(), groups={}, definitions={}, parameter_sets={}, crcs={}, data_ids={"rs485": ()}
+        ProblemReport(),
+        group_and_path_by_name={},
+        definitions={},
+        parameter_sets_by_interface={},
+        crc_by_name={},
+        data_ids_by_interface={"rs485": ()},
     )
     kinds = {}
     for key in KIND_KEYS:

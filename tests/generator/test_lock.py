@@ -21,7 +21,7 @@ TARGETS = ("c", "docs", "python")
 HEAD = """
 import ctypes, sys, time
 from pathlib import Path
-from codewheel import output_folder, write
+from codewheel import output_folder, write_and_remove
 out, here = Path(sys.argv[1]), Path(sys.argv[2])
 def files(text):
     return {name: {f"{name}/{n}/x": f"{text} {n}" for n in range(20)} for name in ("c", "docs", "python")}
@@ -38,7 +38,7 @@ def slow(new, target_folder):
         time.sleep(0.01)
 output_folder._exchange = slow
 """
-WRITE = "write.write(out, files(sys.argv[3]), waiting=waiting)"
+WRITE = "write_and_remove.write(out, files(sys.argv[3]), before_waiting=waiting)"
 
 
 def files(text: str) -> dict[str, dict[str, str]]:
@@ -90,7 +90,7 @@ def test_the_lock_of_a_killed_run_is_gone(tmp_path: Path) -> None:
         first.kill()
         first.wait()
     waited: list[bool] = []
-    write_and_remove.write(tmp_path / "out", files("second"), waiting=lambda: waited.append(True))
+    write_and_remove.write(tmp_path / "out", files("second"), before_waiting=lambda: waited.append(True))
     assert (content(tmp_path / "out"), waited) == (all_of("second"), [])
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(TARGETS)
 
@@ -100,8 +100,8 @@ def test_the_lock_of_a_killed_run_is_gone(tmp_path: Path) -> None:
 def test_kills_at_random_moments_leave_each_target_whole(tmp_path: Path, system: str) -> None:
     out = tmp_path / "out"
     endless = (
-        "print(write.write(out, files('a')) and 'ready', flush=True)\n"
-        "while True:\n    write.write(out, files('b'))\n    write.write(out, files('a'))\n"
+        "print(write_and_remove.write(out, files('a')) and 'ready', flush=True)\n"
+        "while True:\n    write_and_remove.write(out, files('b'))\n    write_and_remove.write(out, files('a'))\n"
     )
     moments = random.Random(1)
     for _ in range(12):
@@ -135,7 +135,7 @@ def test_a_run_that_does_not_end_is_named(tmp_path: Path, way: str) -> None:
     with output_folder.locked(out, list):
         waited: list[bool] = []
         with pytest.raises(WriteError) as caught:
-            write_and_remove.write(tmp_path / way, files("a"), waiting=lambda: waited.append(True))
+            write_and_remove.write(tmp_path / way, files("a"), before_waiting=lambda: waited.append(True))
         assert str(caught.value) == (
             f"another run of codewheel has been writing to {tmp_path / way} for 60 s; nothing has changed; "
             "try again when it has ended"
@@ -149,7 +149,7 @@ def test_a_run_that_does_not_end_is_named(tmp_path: Path, way: str) -> None:
 def test_a_folder_that_is_made_anew_meanwhile_is_locked_anew(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with output_folder.locked(out, list):
-        write_and_remove.write(out, files("a"), waiting=lambda: out.rename(tmp_path / "away") and None)
+        write_and_remove.write(out, files("a"), before_waiting=lambda: out.rename(tmp_path / "away") and None)
         assert content(out) == all_of("a")
 
 

@@ -129,7 +129,9 @@ def parts_of_records() -> Iterator[tuple[str, ModelPart]]:
 def test_records_of_python_have_the_members(record: str, part: ModelPart) -> None:
     """A member of the data that the class of a record lacks would be missing from the Python package."""
     names = {member.name for member in facts.runtime_records().members[record]} | set(ELSEWHERE.get(record, "").split())
-    assert {member.name for member in part.members if member.shape and member.attribute not in names} - names == set()
+    assert {
+        member.name for member in part.members if member.data_type and member.attribute not in names
+    } - names == set()
 
 
 NEW = ModelMember("needs_restart", "boolean=false", "True if it needs a restart.", "register-rule", read="behaviour")
@@ -152,10 +154,10 @@ def property_(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     members = (*original_records.members["Register"], facts.RecordMember("needs_restart", frozenset(), default=False))
     extended_records = replace(original_records, members={**original_records.members, "Register": members})
     monkeypatch.setattr(facts, "runtime_records", lambda: extended_records)
-    schema.show_schema.cache_clear()
+    schema.schema_of_device_data.cache_clear()
     schema_text.cache_clear()
     yield
-    schema.show_schema.cache_clear()
+    schema.schema_of_device_data.cache_clear()
     schema_text.cache_clear()
 
 
@@ -177,7 +179,7 @@ def test_a_documented_property_reaches_every_output_diff_and_the_second_reading(
     assert [register["name"] for register in dump["registers"] if register["needs_restart"]] == [name]
     assert 'needs_restart="true"' in to_xml(dump)
     assert 'name="needs_restart"' in schema_text()
-    assert schema.show_schema()["$defs"]["register"]["properties"]["needs_restart"]["type"] == "boolean"
+    assert schema.schema_of_device_data()["$defs"]["register"]["properties"]["needs_restart"]["type"] == "boolean"
     assert [key for key, row in record_by_register(new).items() if "needs_restart=True" in row.flat] == [name]
     (change,) = compare_family(old, new)
     assert change.text.endswith(f" {name}: needs restart no → yes")

@@ -268,8 +268,8 @@ def test_an_overlay_beside_its_spec_is_found_by_its_name(tmp_path: Path) -> None
     (family,), report = load_families([tmp_path / "amm5.yaml"])
     assert not report.problems
     assert family.device.register("command").note == "Slow."
-    assert family.plain is not None
-    assert family.plain.device.register("command").note != "Slow."
+    assert family.without_overlays is not None
+    assert family.without_overlays.device.register("command").note != "Slow."
 
 
 def test_second_readings_are_held_against_the_spec_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,13 +8,13 @@ from pathlib import Path
 import jsonschema
 import pytest
 from codewheel.dump.plain import device_dump
-from codewheel.dump.schema import main, show_schema
+from codewheel.dump.schema import main, schema_of_device_data
 from codewheel.model import Device
 
 
 def test_the_schema_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
-    assert json.loads(capsys.readouterr().out) == show_schema()
+    assert json.loads(capsys.readouterr().out) == schema_of_device_data()
 
 
 def test_the_schema_is_written_and_accepts_a_family(tmp_path: Path, amm5: Device) -> None:

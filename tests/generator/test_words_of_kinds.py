@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, get_args
 
 import pytest
-from codewheel.dump.schema import show_schema
+from codewheel.dump.schema import schema_of_device_data
 from codewheel.language.schemas import load_schema
 from codewheel.loading.examples import _EXAMPLES
 from codewheel.loading.interfaces import _INTERFACES
@@ -28,7 +28,7 @@ def allowed_words(schema: Any, name: str) -> list[set[str]]:
     return allowed
 
 
-SCHEMAS = {"device": load_schema("device"), "show": show_schema()}
+SCHEMAS = {"device": load_schema("device"), "show": schema_of_device_data()}
 
 
 @pytest.mark.parametrize("name", SCHEMAS)

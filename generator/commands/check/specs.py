@@ -63,7 +63,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
     families, report = load_families(paths, cache)
     to_check: list[Family] = []
     for family in families:
-        has_overlay = family.plain is not None
+        has_overlay = family.without_overlays is not None
         # The key in the cache does not depend on the content of overlays.
         if has_overlay or family.document.file not in clean_files:
             to_check.append(family)

@@ -110,7 +110,7 @@ def position_text(device: Device, variant: Variant, decoded: codec.DecodedFrame,
     if not is_usable or measurement is None or decoded.layout is None:
         return ""
     measurement = measurement.within(decoded.layout.layout.position_range)
-    field_name = measurement.of
+    field_name = measurement.position_name
     # A frame without the multiturn part of a joined position contains only the part with the lowest bits.
     if field_name not in decoded.values:
         field_name = _lowest_joined_field(device, variant, field_name)
@@ -148,7 +148,7 @@ def _angle_text(measurement: Measurement, variant: Variant, name: str, counts: i
     # One decimal for each digit of the counts per degree, so that adjacent counts have different texts.
     decimals = len(str(counts_per_turn // 360))
     angle = f"{name}: {degrees:.{decimals}f}°"
-    has_revolution = turns > 1 and name == measurement.of
+    has_revolution = turns > 1 and name == measurement.position_name
     return f"{angle} of revolution {turn:,}" if has_revolution else angle
 
 

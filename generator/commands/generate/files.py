@@ -73,9 +73,9 @@ def write_or_compare(
                 arguments.output,
                 files,
                 force=arguments.force,
-                waiting=lambda: _print_wait(arguments.output),
-                gate=gate,
-                guard=refuse_removals,
+                before_waiting=lambda: _print_wait(arguments.output),
+                before_writing=gate,
+                check_changes=refuse_removals,
                 families=families,
             )
     except WriteError as error:

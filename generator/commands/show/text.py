@@ -214,7 +214,7 @@ def _position_lines(
         unit_and_range = style_with(parameters).phrase(say_layout.describe_measurement(measurement))
         length = _whole_length(measurement, parameters)
         range_text = f"{unit_and_range}{length}  [{cite(measurement.source)}]"
-        title_and_range_rows.append((title or measurement.of, range_text))
+        title_and_range_rows.append((title or measurement.position_name, range_text))
     if not title_and_range_rows:
         return []
     return ["", "Position", *two_columns(title_and_range_rows, indent=2)]

@@ -69,7 +69,7 @@ IDENTITY = (
         ModelMember("tail", "string", "Suffix after the order code."),
         ModelMember("special", "boolean", "True if the code ends in /Sxxx, for which the manual warns of differences."),
         is_sourced=False,
-        of="",
+        class_names="",
     ),
     ModelPart(
         "parameter",
@@ -170,7 +170,7 @@ IDENTITY = (
             "words",
         ),
         NOTE,
-        of="OrderCode",
+        class_names="OrderCode",
     ),
     ModelPart(
         "spelling",
@@ -246,7 +246,7 @@ IDENTITY = (
             "{integer}",
             "Value of every parameter. For one order code, without those of other interfaces.",
         ),
-        of="Variant",
+        class_names="Variant",
     ),
 )
 
@@ -313,7 +313,7 @@ FAMILY = ModelPart(
     ModelMember("times_read"),
     ModelMember("releases"),
     ModelMember("content_hash"),
-    of="Device",
+    class_names="Device",
     is_sourced=False,
 )
 
@@ -344,7 +344,7 @@ SURROUNDINGS = (
         ModelMember("register", "name", "register: name of the register."),
         ModelMember("procedure", "name", "procedure: name of the procedure."),
         ModelMember("crc", "name", "crc: name of the CRC."),
-        ModelMember("from", "encoder|master", "frame: sender.", of="sender"),
+        ModelMember("from", "encoder|master", "frame: sender.", attribute_name="sender"),
         ModelMember("bytes", "string", "Bytes of the example."),
         ModelMember("bits", "string", "Bits in order of transmission."),
         ModelMember("check", "hex?", "crc: check value."),
@@ -356,7 +356,7 @@ SURROUNDINGS = (
         ModelMember("micrometres", "integer?", "The same position in micrometres."),
         ModelMember("erratum", "name", "Erratum that explains an incorrect example."),
         NOTE,
-        of="FrameExample RegisterExample CrcExample ProcedureExample MeasureExample",
+        class_names="FrameExample RegisterExample CrcExample ProcedureExample MeasureExample",
     ),
     ModelPart(
         "erratum",
@@ -415,7 +415,7 @@ SURROUNDINGS = (
         "One row.",
         ModelMember("cells", "[text]", "Cells of the row."),
         is_sourced=False,
-        of="",
+        class_names="",
     ),
     described_part(Table),
     ModelPart(

@@ -174,7 +174,7 @@ FRAMES = (
             "Fields that the CRC covers. Empty: everything sent before it.",
             "field-reads-otherwise",
             refers_to="fields",
-            of="of",
+            attribute_name="of",
         ),
         ModelMember(
             "parity_of",
@@ -182,14 +182,14 @@ FRAMES = (
             "Fields that the parity bit covers.",
             "field-reads-otherwise",
             refers_to="fields",
-            of="of",
+            attribute_name="of",
         ),
         ModelMember(
             "parity",
             "|even|odd",
             "For a parity bit: parity of the number of ones in those fields and the bit itself, even or odd.",
             "field-reads-otherwise",
-            of="odd",
+            attribute_name="odd",
         ),
         ModelMember(
             "over",
@@ -201,7 +201,7 @@ FRAMES = (
             "digits",
             "[digits]",
             "Groups of decimal digits into which the number is split, most significant first.",
-            of="runs",
+            attribute_name="runs",
             read="value",
             noun="digits",
         ),
@@ -279,7 +279,13 @@ FRAMES = (
         ),
         ModelMember("equals_text", "string", "Text expected on this device."),
         ModelMember(
-            "constant", "integer?", "Fixed value of the bits.", "field-constant", "value", of="value", form="hex"
+            "constant",
+            "integer?",
+            "Fixed value of the bits.",
+            "field-constant",
+            "value",
+            attribute_name="value",
+            form="hex",
         ),
         ModelMember(
             "unused",
@@ -287,7 +293,7 @@ FRAMES = (
             "Documented value of unused bits. A frame with any other value is still decoded.",
             "field-constant",
             "value",
-            of="value",
+            attribute_name="value",
             form="hex",
         ),
         ModelMember(
@@ -297,7 +303,7 @@ FRAMES = (
             "field-reads-otherwise",
             "active level",
             form="level",
-            of="active_low",
+            attribute_name="active_low",
             read="position",
         ),
         ModelMember("widest"),
@@ -306,7 +312,7 @@ FRAMES = (
         ModelMember("fills_byte"),
         ModelMember("constants"),
         ModelMember("turned"),
-        of=" ".join(("Field", *(kind.__name__ for kind in get_args(Kind)))),
+        class_names=" ".join(("Field", *(kind.__name__ for kind in get_args(Kind)))),
     ),
     ModelPart(
         "layout",
@@ -314,14 +320,16 @@ FRAMES = (
         NAME,
         PRINTED_NAME,
         ModelMember("interface", "ssi|biss|rs485|spi", "Interface that the item belongs to."),
-        ModelMember("from", "encoder|master", "Sender of the frame.", "frame-order", "sent by", of="sender"),
+        ModelMember(
+            "from", "encoder|master", "Sender of the frame.", "frame-order", "sent by", attribute_name="sender"
+        ),
         ModelMember(
             "carried_as",
             "bits|bytes",
             "Form on the line: bits, with the most significant one sent first, or whole bytes.",
             "frame-order",
             "carried in bytes",
-            of="in_bytes",
+            attribute_name="in_bytes",
         ),
         ModelMember(
             "byte_order",
@@ -337,7 +345,7 @@ FRAMES = (
             "Field that identifies it among the layouts of the same sender.",
             "frame-told-by",
             "identified by",
-            of="selector",
+            attribute_name="selector",
             refers_to="field",
         ),
         ModelMember(
@@ -346,7 +354,7 @@ FRAMES = (
             "Values of that field.",
             "frame-told-by",
             "identified by the values",
-            of="selects",
+            attribute_name="selects",
         ),
         ModelMember(
             "other_bits",
@@ -354,9 +362,9 @@ FRAMES = (
             "Content of bits outside all fields: zero or unspecified. Empty if there are none.",
             "other-bits",
             "other bits",
-            of="gaps",
+            attribute_name="gaps",
         ),
-        ModelMember("join", "[join]", "Numbers made of several fields.", of="joins"),
+        ModelMember("join", "[join]", "Numbers made of several fields.", attribute_name="joins"),
         ModelMember(
             "gray_of",
             "name",

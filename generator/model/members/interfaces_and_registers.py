@@ -16,7 +16,7 @@ REGISTERS = (
         ModelMember("field", "name", "Field that must hold the value. Empty if the register has only one."),
         ModelMember("value", "name", "Named value."),
         is_sourced=False,
-        of="",
+        class_names="",
     ),
     ModelPart(
         "register",
@@ -90,7 +90,7 @@ REGISTERS = (
             "True if a value written to the register is lost at power-off unless it is saved.",
             "register-rule",
             "volatile unless saved",
-            of="volatile",
+            attribute_name="volatile",
             read="behaviour",
             noun="loss at power-off",
         ),
@@ -198,7 +198,7 @@ REGISTERS = (
         ModelMember("times", "integer=1", "send: number of times the request is sent."),
         ModelMember("in_succession", "boolean=false", "send: true if no other request may come between the requests."),
         ModelMember("meaning", "text", "Reason for this step."),
-        of="WriteStep ModifyStep ReadStep PollStep WaitStep SendStep",
+        class_names="WriteStep ModifyStep ReadStep PollStep WaitStep SendStep",
     ),
     ModelPart(
         "argument",
@@ -277,7 +277,7 @@ INTERFACES = (
             "clocks",
             "[clock]",
             "Clock frequencies, each with its order codes. Empty if they do not depend on the order code.",
-            of="clocks_by_code",
+            attribute_name="clocks_by_code",
         ),
         ModelMember("signals", "string", "Electrical standard.", "interface-rule"),
         ModelMember(
@@ -319,7 +319,7 @@ INTERFACES = (
             "timeouts",
             "[timeout]",
             "Timeouts after a frame, each with its order codes. Empty if they do not depend on the order code.",
-            of="timeouts_by_code",
+            attribute_name="timeouts_by_code",
         ),
         ModelMember("channels", "data_channels?", "Data channels in one frame. null if each is received alone."),
         ModelMember("control_data", "[control_field]", "Fields of the BiSS control frame."),
@@ -361,6 +361,6 @@ INTERFACES = (
         # By their names in the model. They are compared by order code.
         ModelMember("clocks"),
         ModelMember("timeouts"),
-        of="Ssi Biss Rs485 Spi",
+        class_names="Ssi Biss Rs485 Spi",
     ),
 )

@@ -157,7 +157,7 @@ def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[in
 def _data_label(device: Device, layout: Layout) -> str:
     """Return the label of a data channel: the measured quantity, such as ``position``, or else the frame."""
     measurement = device.measurement_of(Biss.name)
-    return measurement.of if measurement is not None else text_on_one_line(layout.name.replace("_", " "))
+    return measurement.position_name if measurement is not None else text_on_one_line(layout.name.replace("_", " "))
 
 
 _LENGTH_NOTE = (

@@ -280,9 +280,9 @@ def _position_unit(device: Device, interface: Interface) -> Data:
     measurement = device.measurement_of(interface.name)
     if measurement is None:
         return {}
-    joins = (join for layout in interface.layouts for join in layout.joins if join.name == measurement.of)
+    joins = (join for layout in interface.layouts for join in layout.joins if join.name == measurement.position_name)
     return without_empty(
-        of=measurement.of,
+        of=measurement.position_name,
         part=next((join.fields[-1] for join in joins), ""),
         step_um=optional_expression_data(measurement.step_um),
         step_nm=optional_expression_data(measurement.step_nm),

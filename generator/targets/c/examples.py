@@ -260,7 +260,7 @@ class ExampleCode:
     def position_member(self) -> str:
         """The member with the position in counts, or an empty string."""
         measurement = self._chosen.measurement
-        return c_name(measurement.of) if measurement is not None else ""
+        return c_name(measurement.position_name) if measurement is not None else ""
 
     @property
     def reads_word_twice(self) -> bool:

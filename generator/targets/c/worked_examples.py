@@ -217,7 +217,7 @@ class ChosenExamples:
 
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""
-        return self.measurement is not None and self.measurement.of in layout.member_names
+        return self.measurement is not None and self.measurement.position_name in layout.member_names
 
 
 def _rate_unreliability(example: FrameExample) -> tuple[bool, bool]:

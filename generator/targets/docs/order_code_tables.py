@@ -207,7 +207,7 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
         interface_measurement = device.measurement_of(interface.name)
         if interface_measurement is not None:
             for layout_name, frame_range in own_ranges(device, interface.name):
-                position_in_frame = f"{code_span(interface_measurement.of)} in {code_span(layout_name)}"
+                position_in_frame = f"{code_span(interface_measurement.position_name)} in {code_span(layout_name)}"
                 range_text = MARKDOWN.phrase(describe_position_range(frame_range))
                 yield position_in_frame, range_text, citation(frame_range.source)
 
@@ -215,7 +215,7 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
 def _measurement_row(measurement: Measurement, over_interface: str = "") -> tuple[str, ...]:
     """Return a row of position, unit and range, source. ``over_interface`` follows the name of the position."""
     return (
-        code_span(measurement.of) + over_interface,
+        code_span(measurement.position_name) + over_interface,
         MARKDOWN.phrase(describe_measurement(measurement)),
         citation(measurement.source),
     )

@@ -206,7 +206,7 @@ def _is_hexadecimal(model_part: object, member_name: str) -> bool:
     part = PARTS_BY_CLASS.get(type(model_part).__name__)
     if part is None or member_name not in part.by_attribute:
         return False
-    return part.by_attribute[member_name].shape == "hex"
+    return part.by_attribute[member_name].data_type == "hex"
 
 
 def record_of_held_parameter(

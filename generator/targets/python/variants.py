@@ -147,7 +147,7 @@ class VariantTable:
         for interface in self.device.interfaces:
             measurement = self._measurement_of(interface)
             if measurement is not None:
-                return python_name(measurement.of, (*FUNCTIONS, "previous", "self", "unwrap"))
+                return python_name(measurement.position_name, (*FUNCTIONS, "previous", "self", "unwrap"))
         return ""
 
     def _measurement_of(self, interface: Interface) -> Measurement | None:
@@ -295,7 +295,7 @@ class VariantTable:
         if stated_highest is not None:
             return stated_highest
         modulus = self._modulus_expression(measurement)
-        position_fields = [layout.field(name) for name in layout.field_names_of(measurement.of)]
+        position_fields = [layout.field(name) for name in layout.field_names_of(measurement.position_name)]
         bit_count = sum((field.width for field in position_fields), Expression(0))
         value_count = modulus if modulus is not None else self._power_of_two(bit_count)
         return PythonOperation(value_count, "-", number(1))
