@@ -258,9 +258,9 @@ def _computed_parities(layout_plan: LayoutPlan) -> Iterator[Check]:
 
     A parity bit that is the same in every frame of this layout is omitted, because it is encoded as a constant.
     """
-    for term in layout_plan.encoded_fields:
-        if isinstance(term.value, ParityOf):
-            yield _describe_parity(term.field, term.value)
+    for encoded_field in layout_plan.encoded_fields:
+        if isinstance(encoded_field.value, ParityOf):
+            yield _describe_parity(encoded_field.field, encoded_field.value)
 
 
 def _constant_ones(layout_plan: LayoutPlan) -> Iterator[tuple[BitSpan, int]]:
@@ -268,10 +268,10 @@ def _constant_ones(layout_plan: LayoutPlan) -> Iterator[tuple[BitSpan, int]]:
 
     Encoding starts from a frame of zeros, so constants of 0 need no operation.
     """
-    for term in layout_plan.encoded_fields:
-        if isinstance(term.value, ConstantNumber) and term.value.number != 0:
-            bits = BitSpan(term.field.low, term.field.width)
-            yield bits, term.value.number
+    for encoded_field in layout_plan.encoded_fields:
+        if isinstance(encoded_field.value, ConstantNumber) and encoded_field.value.number != 0:
+            bits = BitSpan(encoded_field.field.low, encoded_field.field.width)
+            yield bits, encoded_field.value.number
 
 
 def _describe_column(field: Field, must_be_power_of_two: bool) -> Column:
@@ -404,4 +404,4 @@ def _find_reserved_mask(cause: verdicts.Cause) -> int:
 def _list_conditions(cause: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
     """Return the fields of a cause that consists of values, each with its value, or nothing for any other cause."""
     conditions = cause.conditions if isinstance(cause, verdicts.MatchingValues) else ()
-    return tuple((Name(decoded_field.field.name), value) for decoded_field, value in conditions)
+    return tuple((Name(decoded_field.name), value) for decoded_field, value in conditions)

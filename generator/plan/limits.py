@@ -297,7 +297,7 @@ def limits_check_of(layout_plan: LayoutPlan, limits: NumberLimits) -> OutsideLim
     for decoded_field in layout_plan.decoded_fields:
         number = decoded_field.field.number
         rejects_zero = bool(number.zero_means) or number.power_of_two
-        if rejects_zero and decoded_field.field.name == limits.member:
+        if rejects_zero and decoded_field.name == limits.member:
             bounds = tuple(bound for bound in bounds if bound != minimum_of_1)
     return OutsideLimits(limits.member, bounds) if bounds else None
 

@@ -282,6 +282,10 @@ class FieldToDecode:
     shared: bool
 
     @property
+    def name(self) -> str:
+        return self.field.name
+
+    @property
     def meaning(self) -> Meaning:
         """Operation that converts its bits."""
         return meaning_of(self.field)
@@ -396,6 +400,10 @@ class FieldToEncode:
     field: Field
     bits: FieldBits
     value: ConstantNumber | ValueOfField | ParityOf | ReservedBits
+
+    @property
+    def name(self) -> str:
+        return self.field.name
 
     @property
     def depends_on_order_code(self) -> bool:

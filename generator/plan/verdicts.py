@@ -154,7 +154,7 @@ def verdict_rules_of(layout_plan: LayoutPlan) -> VerdictRules:
 
 def _decoded_fields(layout_plan: LayoutPlan) -> dict[str, FieldToDecode]:
     """Return the fields of a frame that carry data, by name."""
-    return {decoded_field.field.name: decoded_field for decoded_field in layout_plan.decoded_fields}
+    return {decoded_field.name: decoded_field for decoded_field in layout_plan.decoded_fields}
 
 
 def _verdicts_of_flag(cause: Cause, fields: Mapping[str, FieldToDecode]) -> Iterator[tuple[Verdict, VerdictCause]]:

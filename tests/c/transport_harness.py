@@ -250,7 +250,7 @@ def source(view: DeviceView) -> str:
 
 
 def _run(procedure: ProcedureCode) -> str:
-    name = procedure.plan.procedure.name
+    name = procedure.procedure_plan.procedure.name
     types = [argument.type for argument in procedure.arguments]
     argument_list = "".join(f", ({type_})arguments[{index}]" for index, type_ in enumerate(types))
     out = ", &out" if procedure.read_type else ""
@@ -261,7 +261,7 @@ int run_{name}(const cw_transport *transport, const char *code, const uint64_t *
     cw_failure *failure)
 {{
     {f"{procedure.read_type} out;" if out else ""}
-    const cw_result result = {procedure.function}(transport, variant_of(code){argument_list}{out}, failure);
+    const cw_result result = {procedure.function_name}(transport, variant_of(code){argument_list}{out}, failure);
     (void)arguments;
     {"fill(data, result, &out, sizeof out);" if out else "(void)data;"}
     return (int)result;

@@ -306,7 +306,7 @@ def _field_data(layout_plan: LayoutPlan, description: Description) -> Iterator[D
 
     Users do not provide constants, parity bits and CRCs.
     """
-    encoded_values = {term.field.name: term.value for term in layout_plan.encoded_fields}
+    encoded_values = {encoded_field.name: encoded_field.value for encoded_field in layout_plan.encoded_fields}
     for column, field in zip(description.columns, layout_plan.layout.fields, strict=True):
         when_active, when_inactive = flag_state_meanings(field)
         # The condition on the order code under which the manual explains the field.

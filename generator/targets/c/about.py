@@ -228,7 +228,7 @@ def _describe_in_table(struct: LayoutStruct, field: Field) -> str:
     The text gives the width if the place of the field depends on the order code. Facts follow for fields without a
     member in the struct, which are constants and the field that tells frames apart (the selector).
     """
-    has_member = field.carries_data and field is not struct.plan.selector
+    has_member = field.carries_data and field is not struct.layout_plan.selector
     facts = () if has_member else say_register.describe_field(struct.device, field)
     if field.is_fixed:
         return HEADER_STYLE.paragraph(facts)
@@ -242,7 +242,7 @@ def _table_rows(struct: LayoutStruct) -> Iterator[tuple[str, str, str]]:
     A frame that is decoded byte by byte has no row for the bits that pad a field.
     """
     for field in struct.layout.fields:
-        if struct.plan.by_word or not field.padding_of:
+        if struct.layout_plan.by_word or not field.padding_of:
             name = "-" if field.fills_gap else field.name
             yield place_of_field(struct.layout, field), name, _describe_in_table(struct, field)
 

@@ -123,7 +123,7 @@ class WordCrc:
     name: str
     general_function: str
     crc: Crc
-    bits: int
+    word_bits: int
     folds: tuple[FoldOperation, ...]
     about: tuple[Paragraph, ...]
 
@@ -163,7 +163,7 @@ class WordCrc:
     @property
     def _bytes_of_word(self) -> int:
         # Bits to bytes, rounded up.
-        return (self.bits + 7) // 8
+        return (self.word_bits + 7) // 8
 
 
 def _byte_in_half(byte_index: int) -> ByteInHalf:

@@ -221,7 +221,7 @@ class _Codes:
 
     def __init__(self, device: Device) -> None:
         self._device = device
-        self.names = tuple(part.name for part in device.order_code.parts)
+        self.part_names = tuple(part.name for part in device.order_code.parts)
         #: Indices of the order codes by the names of some parts and by their texts.
         self._indices: dict[tuple[str, ...], dict[tuple[str, ...], list[int]]] = {}
 
@@ -262,7 +262,7 @@ def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
     """
     choices_and_indices: list[tuple[Mapping[str, _Choice], int | None]] = []
     for choices in itertools.product(*spelling.choices):
-        part_choices = dict(zip(codes.names, choices, strict=True))
+        part_choices = dict(zip(codes.part_names, choices, strict=True))
         choices_and_indices.append((part_choices, codes.first_index(part_choices)))
     # The combinations with open parts that lead to an order code.
     allowed: set[tuple[_Choice, ...]] = set()

@@ -324,7 +324,7 @@ def _longest_procedure(views: Iterable[DeviceView]) -> ProcedureCode | None:
     procedures: list[ProcedureCode] = []
     for view in views:
         procedures += [procedure for procedure in view.procedures if procedure.arguments]
-    return max(procedures, key=lambda procedure: procedure.count, default=None)
+    return max(procedures, key=lambda procedure: procedure.step_count, default=None)
 
 
 def _headers_of_families(views: Iterable[DeviceView]) -> list[str]:
@@ -378,18 +378,20 @@ class Guide:
     @property
     def bits(self) -> str:
         """The macro of the length of its frame in bits, for a receiver."""
-        variant = self.example.row.variant
-        frames = (frame for frame in self.example.received if frame.variant is variant)
+        variant = self.example.code_row.variant
+        frames = (frame for frame in self.example.received_sizes if frame.variant is variant)
         # The first of its two macros takes the bits, the second takes the bytes.
-        macros = self.example.view.lengths.macros_of(first_or_raise(frames, f"frame received from {variant.code}"))
+        macros = self.example.view.frame_lengths.macros_of(
+            first_or_raise(frames, f"frame received from {variant.code}")
+        )
         return first_or_raise(macros, f"macro for the length of the frames of {variant.code}").name
 
     @property
     def shown_number(self) -> str:
         """The name in the spec of the position, or else of the first number of the frame, or else ``no_data``."""
-        plan = self.example.struct.plan
+        plan = self.example.struct.layout_plan
         number_names = [joined_number.join.name for joined_number in plan.joined_numbers]
-        number_names += [part.field.name for part in plan.decoded_fields]
+        number_names += [decoded_field.name for decoded_field in plan.decoded_fields]
         for name in number_names:
             if c_name(name) == self.example.position_member:
                 return name
@@ -422,14 +424,14 @@ def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     programs_by_family = Counter(program.view.device.name for program in examples)
 
     def preference(program: ExampleCode) -> tuple[int, int]:
-        number_of_steps = program.shown_procedure.code.count if program.shown_procedure else 0
+        number_of_steps = program.shown_procedure.code.step_count if program.shown_procedure else 0
         return programs_by_family[program.view.device.name], number_of_steps
 
     example = max(examples, key=preference)
     family = example.view.device.name
     # A register that is one plain byte has no struct.
     registers_with_struct = [register for register in example.shown_registers if register.access.struct]
-    only_writes = example.shown_procedure is not None and not example.shown_procedure.code.reads
+    only_writes = example.shown_procedure is not None and not example.shown_procedure.code.read_members
     example_first = sorted(examples, key=lambda program: program is not example)
     return Guide(
         example=example,

@@ -36,15 +36,15 @@ class LayoutStruct:
     ) -> None:
         self.context = context
         self.device = context.device
-        self.spelling = context.spelling
+        self.translator = context.translator
         self.layout = layout
         #: Stem of its functions, and name of its type.
         self.name = name
         self.type = f"{name}_frame" if name == context.prefix else name
         self.length_macro = length_macro
         self.register = register
-        self.plan: LayoutPlan = layout_plan_of(context.device, layout)
-        self.reader = BitReader(self.plan, context.spelling, word_size(context, layout))
+        self.layout_plan: LayoutPlan = layout_plan_of(context.device, layout)
+        self.reader = BitReader(self.layout_plan, context.translator, word_size(context, layout))
         #: The numbers of the scales of its fields.
         self.scales: tuple[CMacro, ...] = tuple(scale_macros(layout, name))
         self.unused = UnusedMember(self.reader)
@@ -54,13 +54,13 @@ class LayoutStruct:
         """Raise an error if the C target does not support the layout."""
         layout = self.layout
         name = f"'{self.layout.name}'"
-        if self.plan.by_word and layout.widest > 64:
+        if self.layout_plan.by_word and layout.widest > 64:
             raise TargetError(
                 f"{name} has {layout.widest} bits and fields whose place depends on the order code; the C target "
                 "supports such fields only within 64 bits",
                 self.path,
             )
-        if self.plan.alternatives and self.register is not None:
+        if self.layout_plan.alternatives and self.register is not None:
             raise TargetError(
                 f"{name} depends on a question that the manual leaves open; the C target supports this only in frames",
                 self.path,
@@ -71,8 +71,8 @@ class LayoutStruct:
             raise TargetError(
                 f"{name} has unused bits in {unused_bytes} bytes; the C target supports at most 8", self.path
             )
-        for part in self.plan.decoded_fields:
-            field = part.field
+        for decoded_field in self.layout_plan.decoded_fields:
+            field = decoded_field.field
             # Called for its error if the field has more than 64 bits.
             self.type_of(field)
             if isinstance(meaning_of(field), Latin1Text) and not characters(field):
@@ -116,15 +116,15 @@ class LayoutStruct:
 
     # -- members
 
-    def choice(self, field: Field) -> CEnumeration | None:
+    def named_values(self, field: Field) -> CEnumeration | None:
         """Return the named values of a field as an enumeration or as macros, or None if its values have no names."""
         # A register can have the same name as a frame.
         owner = self.layout.name if self.register is None else f"reg_{self.register.name}"
-        return self.context.choices.get((owner, field.name))
+        return self.context.enumeration_by_field.get((owner, field.name))
 
     def enumeration(self, field: Field) -> CEnumeration | None:
         """Return the enumeration of a field, or None if its values have no names or are macros."""
-        choice = self.choice(field)
+        choice = self.named_values(field)
         return choice if choice is not None and choice.is_enum else None
 
     def type_of(self, field: Field) -> str:
@@ -149,7 +149,9 @@ class LayoutStruct:
 
     def member_type(self, name: str) -> str:
         """Return the type of the member of a field or join, by its name in the spec."""
-        joined_number = next((candidate for candidate in self.plan.joined_numbers if candidate.join.name == name), None)
+        joined_number = next(
+            (candidate for candidate in self.layout_plan.joined_numbers if candidate.join.name == name), None
+        )
         return unsigned(joined_number.widest) if joined_number is not None else self.type_of(self.layout.field(name))
 
     def initializer(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
@@ -160,9 +162,9 @@ class LayoutStruct:
         a value that an encoder accepts, mostly 0. ``parameters`` are the parameters of an order code. The member
         ``unused`` is 0, which means that all unused bits are as documented.
         """
-        fields = [decoded_field.field for decoded_field in self.plan.decoded_fields]
+        fields = [decoded_field.field for decoded_field in self.layout_plan.decoded_fields]
         number_by_field = {field.name: values.get(field.name, _default_value(field)) for field in fields}
-        for joined_number in self.plan.joined_numbers:
+        for joined_number in self.layout_plan.joined_numbers:
             if joined_number.name in values:
                 # The numbers of its fields.
                 number_by_field |= joined_number.field_numbers(values[joined_number.name], parameters)
@@ -172,7 +174,7 @@ class LayoutStruct:
         initial_values: list[str] = []
         for field in fields:
             initial_values += self._initial_values(field, number_by_field[field.name])
-        for joined_number in self.plan.joined_numbers:
+        for joined_number in self.layout_plan.joined_numbers:
             number = joined_number.number_of(number_by_field, parameters)
             initial_values.append(c_number(number, hexadecimal=True))
         if self.unused:
@@ -182,7 +184,11 @@ class LayoutStruct:
     @property
     def without_default(self) -> tuple[str, ...]:
         """The members of a request whose values the spec does not give."""
-        return tuple(c_name(part.field.name) for part in self.plan.decoded_fields if part.field.default is None)
+        return tuple(
+            c_name(decoded_field.name)
+            for decoded_field in self.layout_plan.decoded_fields
+            if decoded_field.field.default is None
+        )
 
     def _initial_values(self, field: Field, initial_number: int) -> Iterator[str]:
         """Yield the initial value of each member of a field: one, or with runs of digits also one for each run."""
@@ -190,8 +196,8 @@ class LayoutStruct:
             case ActiveFlag():
                 yield "true" if initial_number else "false"
             case NamedChoice():
-                choice = self.choice(field)
-                constants = choice.names if choice is not None else {}
+                choice = self.named_values(field)
+                constants = choice.constant_by_value if choice is not None else {}
                 yield constants.get(initial_number, c_number(initial_number, hexadecimal=True))
             case TwosComplement():
                 yield signed_number(initial_number)
@@ -210,10 +216,10 @@ class LayoutStruct:
         ``is_raw`` is True if ``name`` contains the bits as read, rather than a value of the enumeration. Constants of
         the enumeration are then cast to the type of the bits.
         """
-        choice = self.choice(field)
-        constants = choice.names if choice is not None else {}
+        choice = self.named_values(field)
+        constants = choice.constant_by_value if choice is not None else {}
         needs_cast = is_raw and self.enumeration(field) is not None
-        type_of_bits, _ = self.reader.type_and_bits(self.plan.bits_of(field.name))
+        type_of_bits, _ = self.reader.type_and_bits(self.layout_plan.bits_of(field.name))
         conditions: list[CExpression] = []
         for value in values:
             if value in constants:

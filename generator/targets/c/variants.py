@@ -272,7 +272,7 @@ class VariantCode:
         assert parameter.equals is not None
         name = f"{self.context.prefix}_{parameter.name}"
         return number_function(
-            self.context.spelling,
+            self.context.translator,
             name=name,
             expression=parameter.equals,
             largest=parameter.largest,
