@@ -184,7 +184,7 @@ def _yield_parts(layout: Layout) -> Iterator[FieldToDecode]:
     """Yield the fields of a layout that carry data, each with its bits.
 
     A selector with a single valid value is omitted, because its value is the same in every frame of this layout. A
-    field is ``shared`` if a parity bit covers it, or if it is part of a number that several fields form.
+    field ``is_shared`` if a parity bit covers it, or if it is part of a number that several fields form.
     """
     shared_names: set[str] = set()
     for join in layout.joins:
@@ -195,7 +195,7 @@ def _yield_parts(layout: Layout) -> Iterator[FieldToDecode]:
     selector = fixed_selector(layout)
     for field in layout.fields:
         if field.carries_data and field is not selector:
-            yield FieldToDecode(field, bits_of(layout, field), shared=field.name in shared_names)
+            yield FieldToDecode(field, bits_of(layout, field), is_shared=field.name in shared_names)
 
 
 def _yield_reserved(layout: Layout) -> Iterator[Reserved]:
@@ -224,7 +224,7 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
             crc=crc,
             field=field,
             bits=bits,
-            covered=first_covered.low + first_covered.width - last_covered.low,
+            covered_width=first_covered.low + first_covered.width - last_covered.low,
             lowest_covered_bit=last_covered.low.constant,
             covers_part_only=True,
             is_checked_by_division=False,
@@ -235,7 +235,7 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
         crc=crc,
         field=field,
         bits=bits,
-        covered=layout.bits - Expression(crc.width),
+        covered_width=layout.bits - Expression(crc.width),
         lowest_covered_bit=crc.width,
         covers_part_only=False,
         is_checked_by_division=is_of_whole_words and is_checked_by_division(crc, layout),
@@ -366,7 +366,7 @@ def characters(field: Field) -> tuple[tuple[int, int], ...]:
 
 def is_plain_flag(decoded_field: FieldToDecode) -> bool:
     """Return whether a field is a flag whose bit no join and no parity bit uses."""
-    return isinstance(decoded_field.field.kind, Flag) and not decoded_field.shared
+    return isinstance(decoded_field.field.kind, Flag) and not decoded_field.is_shared
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,14 +71,14 @@ def undetected_errors_of(crc: Crc, bits: int) -> UndetectedErrors:
 
 @dataclass(frozen=True, slots=True)
 class FoldStep:
-    """One step of a table-free CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << back)``.
+    """One step of a table-free CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << second_shift)``.
 
-    If ``back`` is 0, the last term is absent.
+    If ``second_shift`` is 0, the last term is absent.
     """
 
     shift: int
     mask: int
-    back: int
+    second_shift: int
 
 
 def reflect(value: int, width: int) -> int:
@@ -156,7 +156,7 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
     fold_steps_of_plan = []
     for k in k_of_steps:
         shift = width << k
-        fold_steps_of_plan.append(FoldStep(shift=shift, mask=(1 << shift) - 1, back=middle_exponent << k))
+        fold_steps_of_plan.append(FoldStep(shift=shift, mask=(1 << shift) - 1, second_shift=middle_exponent << k))
     return tuple(fold_steps_of_plan)
 
 

@@ -235,7 +235,7 @@ def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | No
     return replace(
         description,
         verdict_causes=tuple(_describe_verdict_causes(verdict_rules)),
-        otherwise=verdict_rules.otherwise,
+        otherwise=verdict_rules.default_verdict,
         judging_bits=verdict_rules.judging_bits if verdict_rules.may_be_unknown else None,
     )
 
@@ -363,7 +363,7 @@ def _describe_verdict_causes(verdict_rules: verdicts.VerdictRules) -> Iterator[D
             yield DescribedVerdictCause(
                 verdict=verdict,
                 flag=Name(cause.field.name),
-                unless=tuple(Name(flag.field.name) for flag in verdict_cause.unless),
+                unless=tuple(Name(flag.field.name) for flag in verdict_cause.overriding_flags),
                 mask=_find_reserved_mask(cause),
                 only=verdict_cause.code_condition,
                 when=_list_conditions(cause),

@@ -18,17 +18,17 @@ from .operations import IsBetween, JoinedNumber, JoinNotAbove, NotAbove
 class NumberLimits:
     """The limits of a register, or of one of its meanings.
 
-    ``member`` is the limited field or join, or empty if the limits apply to the whole register. ``low`` and ``high``
-    are None if the manual gives no limit. ``can_be_below`` and ``can_be_above`` are true if a value of ``width`` bits,
-    signed or unsigned, can be outside the limit. ``number_for_zero`` is the number that the value 0 encodes, if that is
-    too large for the bits of every order code, such as 256 in 8 bits. Otherwise it is 0.
+    ``member`` is the limited field or join, or empty if the limits apply to the whole register. ``lowest`` and
+    ``highest`` are None if the manual gives no limit. ``can_be_below`` and ``can_be_above`` are true if a value of
+    ``width`` bits, signed or unsigned, can be outside the limit. ``number_for_zero`` is the number that the value 0
+    encodes, if that is too large for the bits of every order code, such as 256 in 8 bits. Otherwise it is 0.
     """
 
     member: str
     signed: bool
     width: Expression
-    low: Expression | None
-    high: Expression | None
+    lowest: Expression | None
+    highest: Expression | None
     can_be_below: bool
     can_be_above: bool
     number_for_zero: int
@@ -37,10 +37,10 @@ class NumberLimits:
     def bounds_to_check(self) -> tuple[tuple[str, Expression], ...]:
         """``("min", low)`` and ``("max", high)``, each only if a value that fits can be outside it."""
         binding_limits = []
-        if self.low is not None and self.can_be_below:
-            binding_limits.append(("min", self.low))
-        if self.high is not None and self.can_be_above:
-            binding_limits.append(("max", self.high))
+        if self.lowest is not None and self.can_be_below:
+            binding_limits.append(("min", self.lowest))
+        if self.highest is not None and self.can_be_above:
+            binding_limits.append(("max", self.highest))
         return tuple(binding_limits)
 
 
@@ -71,8 +71,8 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
         member=member,
         signed=signed,
         width=width,
-        low=low,
-        high=high,
+        lowest=low,
+        highest=high,
         can_be_below=low is not None and _can_be_below(device, low, representable_ranges),
         can_be_above=high is not None and _can_be_above(device, high, representable_ranges),
         number_for_zero=zero_means if is_above_range else 0,

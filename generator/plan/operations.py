@@ -196,7 +196,7 @@ def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:
 class FrameCrc:
     """A CRC at the end of a frame.
 
-    It covers ``covered`` bits from ``lowest_covered_bit`` on, which is everything before the CRC unless
+    It covers ``covered_width`` bits from ``lowest_covered_bit`` on, which is everything before the CRC unless
     ``covers_part_only`` is true. ``is_checked_by_division`` is true if the polynomial divides every valid word once the
     final XOR is removed. ``steps``, if any, then reduce the word without a table. If only some order codes have it,
     ``bits`` is its place in their frames.
@@ -205,7 +205,7 @@ class FrameCrc:
     crc: Crc
     field: Field
     bits: FieldBits
-    covered: Expression
+    covered_width: Expression
     lowest_covered_bit: int
     covers_part_only: bool
     is_checked_by_division: bool
@@ -275,11 +275,11 @@ class DigitCoding:
 
 @dataclass(frozen=True, slots=True)
 class FieldToDecode:
-    """A field of a decoded frame. ``shared`` is true if a join or a parity bit also uses its bits."""
+    """A field of a decoded frame. ``is_shared`` is true if a join or a parity bit also uses its bits."""
 
     field: Field
     bits: FieldBits
-    shared: bool
+    is_shared: bool
 
     @property
     def name(self) -> str:

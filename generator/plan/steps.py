@@ -307,5 +307,5 @@ def _limit_refusals(device: Device, register: Register, argument: Argument) -> I
     meaning_by_name = {meaning.name: meaning for meaning in register.meanings}
     meaning = meaning_by_name.get(argument.meant_as)
     limits = limits_of(device, register, meaning)
-    if limits.low is not None or limits.high is not None:
+    if limits.lowest is not None or limits.highest is not None:
         yield OutsideArgumentLimits(register, meaning, limits)

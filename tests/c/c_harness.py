@@ -519,7 +519,7 @@ def _text(view: DeviceView) -> str:
 
 def _candidates(view: DeviceView, identity: IdentityCode) -> str:
     reads, start = "", "text"
-    for part in identity.compared:
+    for part in identity.compared_registers:
         name = c_name(part.register.name)
         reads += f'    bytes_of(strtok({start}, " "), b);\n    memcpy(read.{name}, b, sizeof read.{name});\n'
         start = "NULL"

@@ -278,7 +278,7 @@ def _layout_data(device: Device, layout_plan: LayoutPlan, description: Descripti
         states=[[*map(dict, states)] for states in states_of_widths(device, layout_plan.layout)],
         crcs=optional_crcs,
         # If the CRC covers only a part of the frame: the lowest bit, and the number of bits.
-        crc_of=[crc.lowest_covered_bit, crc.covered.constant] if crc is not None and crc.covers_part_only else [],
+        crc_of=[crc.lowest_covered_bit, crc.covered_width.constant] if crc is not None and crc.covers_part_only else [],
         asks=[alternative.name for alternative in layout_plan.alternatives],
         offers=[alternative.name for alternative in device.verdict_alternatives(layout_plan.layout)],
         held=_parameters_in_registers(device, layout_plan.layout, layout_plan),
@@ -439,6 +439,6 @@ def _limits_data(register_meaning: RegisterMeaning | None, limits: NumberLimits)
         meaning=register_meaning.meaning if register_meaning is not None else "",
         of=limits.member,
     )
-    data["low"] = optional_expression_data(limits.low)
-    data["high"] = optional_expression_data(limits.high)
+    data["low"] = optional_expression_data(limits.lowest)
+    data["high"] = optional_expression_data(limits.highest)
     return data

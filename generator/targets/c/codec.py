@@ -236,7 +236,7 @@ class StructCodec:
         return BitsCrc(
             name=f"{self.name}_{frame_crc.field.name}_crc" if frame_crc.is_optional else f"{self.name}_crc",
             crc=frame_crc.crc,
-            covered_width=frame_crc.covered.constant,
+            covered_width=frame_crc.covered_width.constant,
             type=unsigned(frame_crc.crc.width),
             about=tuple(about_bits_crc(self.struct.device, frame_crc.crc)),
         )
@@ -270,7 +270,7 @@ class StructCodec:
     def _crc_depends(self, crc: FrameCrc) -> bool:
         """Return True if the order code decides whether the frame has the CRC, or how many bits the CRC covers."""
         passes_length = not self.layout_plan.in_bytes and self.word_crc is None
-        return crc.is_optional or (passes_length and not crc.covered.is_constant)
+        return crc.is_optional or (passes_length and not crc.covered_width.is_constant)
 
     # -- values of fields that the manual states
 

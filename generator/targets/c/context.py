@@ -43,8 +43,8 @@ class EnumConstant:
 class CEnumeration:
     """The named values of a field, as an enumeration in C, or as macros if a value is too large for an int.
 
-    ``digits`` is the number of hexadecimal digits of each value. ``statements`` are the statements about the field that
-    the comment on the enumeration contains. ``path`` is the part of the spec with the field.
+    ``hex_digits`` is the number of hexadecimal digits of each value. ``statements`` are the statements about the field
+    that the comment on the enumeration contains. ``path`` is the part of the spec with the field.
     """
 
     type: str
@@ -77,8 +77,8 @@ class Enumerations:
     Fields with the same name and the same values share an enumeration. The only field of a register has its own, named
     after the register.
 
-    ``choices`` contains the enumerations by owner and field. The owner is the name of a frame, or ``reg_`` and the name
-    of a register.
+    ``enumeration_by_field`` contains the enumerations by owner and field. The owner is the name of a frame, or ``reg_``
+    and the name of a register.
     """
 
     def __init__(self, device: Device, prefix: str) -> None:

@@ -70,9 +70,9 @@ def fold_operations(steps: Sequence[FoldStep], bits: int, source: str) -> Iterat
     """
     # From here on, ``source`` and ``bits`` are the variable and the width of the number before each step.
     for step in steps:
-        # A step moves the bits from ``shift`` up to two places: to bit 0, and to bit ``back``.
+        # A step moves the bits from ``shift`` up to two places: to bit 0, and to bit ``second_shift``.
         moved_bits = bits - step.shift
-        bits_left = max(step.shift, moved_bits + step.back)
+        bits_left = max(step.shift, moved_bits + step.second_shift)
         if source == "v":
             yield Fold(step)
         elif bits_left > 32 or moved_bits > 32:
@@ -114,7 +114,7 @@ class BitsCrc:
 
 @dataclass(frozen=True)
 class WordCrc:
-    """The function ``name`` that computes the CRC of a whole word of ``bits`` bits.
+    """The function ``name`` that computes the CRC of a whole word of ``word_bits`` bits.
 
     ``general_function`` is the function for this CRC over any number of bits, whose table is also used here. ``folds``
     are the operations that reduce the word without a table, empty if there are none.

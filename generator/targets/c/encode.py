@@ -117,7 +117,7 @@ class CEncoder:
         terms: list[CExpression] = []
         for encoded_field in self.layout_plan.encoded_fields:
             is_added_later = self.layout_plan.parity_covers_converted and isinstance(encoded_field.value, ParityOf)
-            # ``unused.in_word`` contains the terms of unused fields.
+            # ``unused.terms_in_word`` contains the terms of unused fields.
             is_unused = isinstance(encoded_field.value, ReservedBits)
             if not is_added_later and not is_unused and not self._is_always_zero(encoded_field):
                 terms.append(self._term_in_word(encoded_field))

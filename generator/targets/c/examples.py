@@ -21,7 +21,7 @@ from ...model import (
     first_or_raise,
     number_to_bytes,
 )
-from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
+from ...plan.frames import SSI_EXTRA_BITS, FrameSize, received_sizes
 from ...plan.steps import SendRequest
 from ...plan.values import (
     TwosComplement,
@@ -163,13 +163,13 @@ class ExampleCode:
         frame = frames[0]
         bits_macro, bytes_macro = self.view.frame_lengths.macros_of(frame)
         # A 1, the word, and a 0. In the buffer, the first bit received is the highest of the first byte.
-        bits_on_line = ((1 << frame.bits) | self.frame.sent_number) << 1
-        # SSI_AROUND counts the 1 and the 0.
-        unused_bits = 8 * frame.bytes - frame.bits - SSI_AROUND
+        bits_on_line = ((1 << frame.frame_bits) | self.frame.sent_number) << 1
+        # SSI_EXTRA_BITS counts the 1 and the 0.
+        unused_bits = 8 * frame.buffer_bytes - frame.frame_bits - SSI_EXTRA_BITS
         return ReceivedBytes(
             bits_macro=bits_macro.name,
             size_macro=bytes_macro.name,
-            data=(bits_on_line << unused_bits).to_bytes(frame.bytes, "big"),
+            data=(bits_on_line << unused_bits).to_bytes(frame.buffer_bytes, "big"),
         )
 
     @property
@@ -402,7 +402,7 @@ class ReceiverCode:
         self.member = example.position_member
         self.is_signed = example.is_signed(example.position_member)
         #: The size of the longest frame. The program is for its order code.
-        self.longest_frame = max(example.received_sizes, key=lambda frame: frame.bits)
+        self.longest_frame = max(example.received_sizes, key=lambda frame: frame.frame_bits)
         variant = self.longest_frame.variant
         rows = (row for row in view.variants.rows if row.variant is variant)
         self.code_row: CodeRow = first_or_raise(rows, f"row for {variant.code}")

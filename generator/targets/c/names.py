@@ -169,8 +169,8 @@ def describe_path(path: Path) -> str:
 class HeaderNames:
     """The names that one header declares at file scope, and the clashes between them.
 
-    ``paths`` contains the part of the spec that each name comes from. It is the first part that declares the name. Any
-    other part with the same name is a clash.
+    ``path_by_name`` contains the part of the spec that each name comes from. It is the first part that declares the
+    name. Any other part with the same name is a clash.
     """
 
     def __init__(self, declared: Iterable[DeclaredName]) -> None:

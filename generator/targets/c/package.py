@@ -194,7 +194,7 @@ def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
     for device in devices:
         for reporting in reportings(device).values():
             rules = reporting.verdict_rules
-            if rules is not None and rules.otherwise is Verdict.UNKNOWN and not rules.worst_first:
+            if rules is not None and rules.default_verdict is Verdict.UNKNOWN and not rules.worst_first:
                 yield _frame_name(device, interface=reporting.interface.title, layout=reporting.layout_plan.layout)
 
 

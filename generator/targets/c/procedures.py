@@ -103,7 +103,8 @@ RegisterAccess = WriteRegister | ReadRegister | PollRegister | VerifyWrite
 class ProcedureCode:
     """The C code of a procedure, such as setting a preset.
 
-    ``function`` is the name of the function that carries it out, and ``steps`` of the function that returns its steps.
+    ``function_name`` is the name of the function that carries it out, and ``steps`` of the function that returns its
+    steps.
     """
 
     def __init__(
@@ -130,7 +131,7 @@ class ProcedureCode:
         self.step_count = sum(map(_number_of_rows, run.operations))
         self.read_members = list(self._yield_read_members())
         self.about = about_procedure(context.device, procedure)
-        #: The comment on ``function``.
+        #: The comment on ``function_name``.
         self.run_about = [*self.about, *about_run(context.device, run, read_state), *self._document_parameters()]
 
     @property
@@ -197,7 +198,7 @@ class ProcedureCode:
                 yield name, ("procedures", self.procedure_plan.procedure.name)
 
     def _document_parameters(self) -> Iterator[Paragraph]:
-        """Yield the comment on each parameter of ``function``, or nothing if the procedure has no arguments."""
+        """Yield the comment on each parameter of ``function_name``, or nothing if the procedure has no arguments."""
         if self.arguments:
             yield "@param transport ", "Your bus access functions."
             yield "@param variant ", "The order code."

@@ -296,7 +296,7 @@ class RegisterCode:
         stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
         macros: list[tuple[str, CExpression]] = []
         functions: list[CFunction] = []
-        for ending, adjective, limit in (("min", "lowest", limits.low), ("max", "highest", limits.high)):
+        for ending, adjective, limit in (("min", "lowest", limits.lowest), ("max", "highest", limits.highest)):
             if limit is None:
                 continue
             name = f"{stem}_{ending}"
@@ -343,12 +343,12 @@ class IdentityCode:
 
     prefix: str
     interface: Interface
-    compared: tuple[RegisterCode, ...]
+    compared_registers: tuple[RegisterCode, ...]
 
     @property
     def uses_variant(self) -> bool:
         """True if a comparison decodes a register, or if the byte to compare with depends on the order code."""
-        for register in self.compared:
+        for register in self.compared_registers:
             if register.codec is not None:
                 return True
             expected_byte = register.layout.fields[0].equals
@@ -365,7 +365,7 @@ class IdentityCode:
 def identity_codes(context: HeaderContext, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
     """Yield the identifying registers of each interface that has any. ``codes`` are all registers by name."""
     for identity in identities(context.device):
-        compared = tuple(codes[comparison.register.name] for comparison in identity.compared)
+        compared = tuple(codes[comparison.register.name] for comparison in identity.compared_registers)
         yield IdentityCode(context.prefix, context.device.interface(identity.interface), compared)
 
 

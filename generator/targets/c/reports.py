@@ -54,7 +54,7 @@ class FrameReports:
     """The functions of a frame that return its verdict, which says whether the position is usable, and its reports.
 
     ``verdict`` and ``reports`` are the names of the functions, empty if the frame does not have the function.
-    ``choices`` contains the enumerations of named values by layout and field.
+    ``enumeration_by_field`` contains the enumerations of named values by layout and field.
     """
 
     def __init__(
@@ -174,8 +174,8 @@ class FrameReports:
     def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> Iterator[CExpression]:
         """Yield the condition of each cause of a verdict. All unused bits have one condition, the last one.
 
-        A flag counts only for its order codes or answers, and only while the flags in ``unless``, which combine it with
-        others, are inactive.
+        A flag counts only for its order codes or answers, and only while its ``overriding_flags``, which it combines,
+        are inactive.
         """
         unused_fields = []
         for cause in causes:
@@ -183,7 +183,7 @@ class FrameReports:
                 unused_fields.append(cause.cause)
             else:
                 applies_to_code = self._express_code_conditions(cause.conditions)
-                combining_flags_are_inactive = [CName(f"!{_struct_member(flag)}") for flag in cause.unless]
+                combining_flags_are_inactive = [CName(f"!{_struct_member(flag)}") for flag in cause.overriding_flags]
                 conditions = (*applies_to_code, *self._conditions_of(cause.cause), *combining_flags_are_inactive)
                 yield join_operands("&&", conditions)
         if unused_fields:

@@ -207,8 +207,8 @@ class SingleCode:
         if not sizes:
             return None
         varies = len(sizes) > 1 or sizes[0].depends_on_registers
-        most_bits = sizes[0].layout.widest if varies else sizes[0].bits
-        return WordLength(most_bits, buffer_bytes=sizes[0].bytes, varies=varies)
+        most_bits = sizes[0].layout.widest if varies else sizes[0].frame_bits
+        return WordLength(most_bits, buffer_bytes=sizes[0].buffer_bytes, varies=varies)
 
     def _titles_of_other_errata(self) -> Iterator[str]:
         """Yield the titles of the errata that are only about parts of the interface that this header does not have."""

@@ -104,7 +104,7 @@ class LayoutStruct:
         An example is ``(uint32_t)(word >> 6)``.
         """
         # The bit above the covered bits. ``covered_bits`` is their number.
-        end = crc.lowest_covered_bit + crc.covered.constant if covers_32_bits(crc) else self.reader.word_size
+        end = crc.lowest_covered_bit + crc.covered_width.constant if covers_32_bits(crc) else self.reader.word_size
         bits = shifted_right(self.reader.before_conversion.word_or_lower_half(end), crc.lowest_covered_bit)
         is_across_halves = covers_32_bits(crc) and end > 32
         return CCast("uint32_t", bits) if is_across_halves else bits
@@ -233,7 +233,7 @@ class LayoutStruct:
 
 def covers_32_bits(crc: FrameCrc) -> bool:
     """Return True if a CRC covers at most 32 bits, with every order code."""
-    return crc.covered.is_constant and crc.covered.constant <= 32
+    return crc.covered_width.is_constant and crc.covered_width.constant <= 32
 
 
 def word_size(context: HeaderContext, layout: Layout) -> int:

@@ -12,7 +12,7 @@ from ...language.problems import join_words
 from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_or_raise
 from ...model.interfaces import channel_frame
 from ...model.record import dataclass
-from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
+from ...plan.frames import BISS_ACKNOWLEDGE_BITS, FrameSize, HeldParameter, HoldingRegister, received_sizes
 from ...plan.values import UnsignedNumber, ZeroMeans, parameters_in_measurement, widest_value
 from ...say.names_and_evidence import title_of
 from ...say.order_code import timeouts_with_codes, words_for_initial_values
@@ -101,7 +101,7 @@ class HeldValue:
     @property
     def is_outside(self) -> CExpression | None:
         """Condition that the register contains a value outside the limits, or None if there are no limits."""
-        lowest, highest = self.held_parameter.low, self.held_parameter.high
+        lowest, highest = self.held_parameter.lowest_valid, self.held_parameter.highest_valid
         comparisons: list[CExpression] = []
         value = CName(self.local)
         if lowest is not None:
@@ -336,7 +336,7 @@ class LengthCode:
         self._context = context
         self.depends_on_registers = any(frame.depends_on_registers for frame in received_frames)
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
-        self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
+        self.acknowledge = BISS_ACKNOWLEDGE_BITS if isinstance(interface, Biss) else 0
         self.register_access_comment = "".join(_register_access(context.device, interface, received_frames))
         self._name_by_variant_id = {id(row.variant): row.name_in_macros for row in code_rows}
         self._prefix = f"{context.PREFIX}_"
@@ -398,13 +398,13 @@ class LengthCode:
         stem = f"{self._prefix}{self.code_of(frame)}"
         whole_frame = channel_frame(self.interface)
         if whole_frame is None:
-            yield CMacro(f"{stem}_BITS", value=c_number(frame.bits), note="number of bits in its frame")
-            yield CMacro(f"{stem}_RX_BYTES", value=c_number(frame.bytes), note="number of bytes in its buffer")
+            yield CMacro(f"{stem}_BITS", value=c_number(frame.frame_bits), note="number of bits in its frame")
+            yield CMacro(f"{stem}_RX_BYTES", value=c_number(frame.buffer_bytes), note="number of bytes in its buffer")
             return
         bits_of_channels = whole_frame.bits.value(frame.variant.parameters)
-        yield CMacro(f"{stem}_BITS", value=c_number(frame.bits), note="number of bits in this data channel")
+        yield CMacro(f"{stem}_BITS", value=c_number(frame.frame_bits), note="number of bits in this data channel")
         buffer_comment = f"number of bytes in a buffer for all {bits_of_channels} bits of the frame"
-        yield CMacro(f"{stem}_RX_BYTES", value=c_number(frame.bytes), note=buffer_comment)
+        yield CMacro(f"{stem}_RX_BYTES", value=c_number(frame.buffer_bytes), note=buffer_comment)
 
 
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
@@ -415,7 +415,7 @@ def _register_access(device: Device, interface: Interface, frames: Sequence[Fram
     """
     if not isinstance(interface, Biss) or not frames:
         return
-    shortest_bits = min(frame.bits for frame in frames)
+    shortest_bits = min(frame.frame_bits for frame in frames)
     clock = interface.clock or Clock(source=())
     delay_text = f"{shortest_bits} clock periods after its CDS"
     if any(frame.depends_on_registers for frame in frames):
