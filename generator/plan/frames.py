@@ -270,9 +270,9 @@ def _sizes_of_frame(device: Device, interface: Interface, layout: Layout, bits_a
     ``bits_around`` is the number of bits, such as start and stop bits, that a receiver stores together with the frame.
     """
     # A buffer for a data channel must have room for all channels of its frame.
-    channels = channel_frame(interface)
-    is_channel = channels is not None and layout in channels.layouts
-    whole_frame = channels if channels is not None and is_channel else layout
+    frame_of_channels = channel_frame(interface)
+    is_channel = frame_of_channels is not None and layout in frame_of_channels.layouts
+    whole_frame = frame_of_channels if frame_of_channels is not None and is_channel else layout
     length_parameters = device.needed_parameters(whole_frame.bits.parameters)
     register_parameters = {parameter.name for parameter in device.set_parameters if parameter.register}
     depends_on_registers = not length_parameters.isdisjoint(register_parameters)
@@ -285,14 +285,14 @@ def _sizes_of_frame(device: Device, interface: Interface, layout: Layout, bits_a
         device.variants_over(interface.name), answer_combinations(questions)
     ):
         parameters = {**variant.parameters, **answered_parameters}
-        highest_bits = whole_frame.sent_bits.value(parameters)
+        longest_frame_bits = whole_frame.sent_bits.value(parameters)
         if depends_on_registers:
-            highest_bits = whole_frame.widest
+            longest_frame_bits = whole_frame.widest
         yield FrameSize(
             variant=variant,
             layout=layout,
             frame_bits=layout.sent_bits.value(parameters),
-            buffer_bytes=(bits_around + highest_bits + 7) // 8,  # rounded up
+            buffer_bytes=(bits_around + longest_frame_bits + 7) // 8,  # rounded up
             depends_on_registers=depends_on_registers,
             answers=answers,
         )

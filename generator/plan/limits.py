@@ -35,13 +35,13 @@ class NumberLimits:
 
     @property
     def bounds_to_check(self) -> tuple[tuple[str, Expression], ...]:
-        """``("min", low)`` and ``("max", high)``, each only if a value that fits can be outside it."""
-        binding_limits = []
+        """``("min", lowest)`` and ``("max", highest)``, each only if a value that fits can be outside it."""
+        bounds = []
         if self.lowest is not None and self.can_be_below:
-            binding_limits.append(("min", self.lowest))
+            bounds.append(("min", self.lowest))
         if self.highest is not None and self.can_be_above:
-            binding_limits.append(("max", self.highest))
-        return tuple(binding_limits)
+            bounds.append(("max", self.highest))
+        return tuple(bounds)
 
 
 def limits_of(device: Device, register: Register, meaning: RegisterMeaning | None = None) -> NumberLimits:
@@ -64,9 +64,9 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     for variant in device.variants_over(register.interface):
         representable_ranges.append(_representable_range(width, signed, variant.parameters))
     # 0 may encode a number that does not fit in the bits, such as 256 in 8 bits.
-    is_field = bool(fields) and not is_join
-    zero_means = fields[0].number.zero_means if is_field else 0
-    is_above_range = all(zero_means > representable.highest for representable in representable_ranges)
+    is_single_field = bool(fields) and not is_join
+    encoded_as_zero = fields[0].number.zero_means if is_single_field else 0
+    is_above_range = all(encoded_as_zero > representable.highest for representable in representable_ranges)
     return NumberLimits(
         member=member,
         signed=signed,
@@ -75,7 +75,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
         highest=high,
         can_be_below=low is not None and _can_be_below(device, low, representable_ranges),
         can_be_above=high is not None and _can_be_above(device, high, representable_ranges),
-        number_for_zero=zero_means if is_above_range else 0,
+        number_for_zero=encoded_as_zero if is_above_range else 0,
     )
 
 

@@ -236,6 +236,7 @@ def bits_by_byte(register: Register, field: Field | None = None) -> tuple[BitSli
         slices_by_byte = {bit_slice.byte: bit_slice for bit_slice in field.bit_slices}
         if slices_by_byte and register.is_accessed_whole:
             for byte in range(register.length):
+                # The mask 0 selects no bit.
                 slices_by_byte.setdefault(byte, BitSlice(byte, low_in_byte=0, mask=0, low_in_number=0))
         return tuple(slices_by_byte[byte] for byte in sorted(slices_by_byte))
     bit_slices = []

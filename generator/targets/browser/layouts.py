@@ -184,7 +184,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
     layout_plan = layout_plan_of(device, layout)
     description = describe(layout_plan, reporting)
     causes = reporting.causes if reporting is not None else ()
-    reports = []
+    reports: list[Data] = []
     for described_cause, cause in zip(description.report_causes, causes, strict=True):
         reports.append(_report_data(device, described_cause, cause))
     # The reports have the order of the fields in the frame. Reports about several fields with a verdict come last.

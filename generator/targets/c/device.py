@@ -322,7 +322,9 @@ class DeviceView:
         Raises:
             LookupError: There is no such frame.
         """
-        codecs = (codec for codec in self.interface.codecs if codec.struct.layout.name in self.frame_lengths.layouts)
+        codecs = (
+            codec for codec in self.interface.codecs if codec.struct.layout.name in self.frame_lengths.layout_names
+        )
         return first_or_raise(codecs, f"frame received over {self.context.interface.title}")
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:

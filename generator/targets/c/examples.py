@@ -111,9 +111,9 @@ class ExampleCode:
     def received_sizes(self) -> list[FrameSize]:
         """The lengths of the frame as received, one for each order code, with the first answers of alternatives."""
         first_answers = [question.spec_question.answers[0] for question in self.alternatives]
-        received_frames = received_sizes(self.view.device, self.interface)
-        frames_of_layout = [frame for frame in received_frames if frame.layout is self.frame.layout]
-        return [frame for frame in frames_of_layout if _has_only_answers(frame, first_answers)]
+        sizes = received_sizes(self.view.device, self.interface)
+        sizes_of_frame = [size for size in sizes if size.layout is self.frame.layout]
+        return [size for size in sizes_of_frame if _has_only_answers(size, first_answers)]
 
     @property
     def has_crc(self) -> bool:
@@ -147,9 +147,8 @@ class ExampleCode:
         layout = self.frame.layout
         if not layout.in_bytes:
             return b""
-        return number_to_bytes(
-            layout, self.frame.sent_number, layout.place(self._chosen_examples.variant.parameters).bits
-        )
+        frame_bits = layout.place(self._chosen_examples.variant.parameters).bits
+        return number_to_bytes(layout, self.frame.sent_number, frame_bits)
 
     @property
     def bytes_over_ssi(self) -> ReceivedBytes | None:
@@ -157,19 +156,19 @@ class ExampleCode:
 
         The line is high until the first clock has stored the position. Then come the word and a 0.
         """
-        frames = [frame for frame in self.received_sizes if frame.variant is self._chosen_examples.variant]
-        if not frames or not isinstance(self.interface, Ssi):
+        sizes = [size for size in self.received_sizes if size.variant is self._chosen_examples.variant]
+        if not sizes or not isinstance(self.interface, Ssi):
             return None
-        frame = frames[0]
-        bits_macro, bytes_macro = self.view.frame_lengths.macros_of(frame)
+        size = sizes[0]
+        bits_macro, bytes_macro = self.view.frame_lengths.macros_of(size)
         # A 1, the word, and a 0. In the buffer, the first bit received is the highest of the first byte.
-        bits_on_line = ((1 << frame.frame_bits) | self.frame.sent_number) << 1
+        bits_on_line = ((1 << size.frame_bits) | self.frame.sent_number) << 1
         # SSI_EXTRA_BITS counts the 1 and the 0.
-        unused_bits = 8 * frame.buffer_bytes - frame.frame_bits - SSI_EXTRA_BITS
+        unused_bits = 8 * size.buffer_bytes - size.frame_bits - SSI_EXTRA_BITS
         return ReceivedBytes(
             bits_macro=bits_macro.name,
             size_macro=bytes_macro.name,
-            data=(bits_on_line << unused_bits).to_bytes(frame.buffer_bytes, "big"),
+            data=(bits_on_line << unused_bits).to_bytes(size.buffer_bytes, "big"),
         )
 
     @property
@@ -241,7 +240,7 @@ class ExampleCode:
         For this, the frame must have a request, and the procedure must have at least one request, a reply to each of
         its requests, and no arguments or values to read.
         """
-        code = self.shown_procedure.code if self.shown_procedure is not None else None
+        code = self.shown_procedure.procedure_code if self.shown_procedure is not None else None
         if code is None or code.arguments or code.read_members or not self.request_macro:
             return False
         operations = [row.operation for row in code.rows if isinstance(row, StepRow)]
@@ -274,12 +273,8 @@ class ExampleCode:
 
     def is_signed(self, member: str) -> bool:
         """Return whether a member of the frame can be negative."""
-        parts = (
-            decoded_field
-            for decoded_field in self.struct.layout_plan.decoded_fields
-            if c_name(decoded_field.name) == member
-        )
-        return any(isinstance(decoded_field.meaning, TwosComplement) for decoded_field in parts)
+        fields = (field for field in self.struct.layout_plan.decoded_fields if c_name(field.name) == member)
+        return any(isinstance(field.meaning, TwosComplement) for field in fields)
 
     @property
     def headers(self) -> Iterator[str]:
@@ -319,7 +314,9 @@ class ExampleCode:
     @property
     def _procedure_steps(self) -> tuple[object, ...]:
         """The steps of the procedure, none without a procedure."""
-        return self.shown_procedure.code.procedure_plan.procedure.steps if self.shown_procedure is not None else ()
+        if self.shown_procedure is None:
+            return ()
+        return self.shown_procedure.procedure_code.procedure_plan.procedure.steps
 
     def _choose_procedure(self) -> ShownProcedure | None:
         """Return the procedure that the program carries out, with the arguments of its worked example.
@@ -329,8 +326,8 @@ class ExampleCode:
         if self._chosen_examples.procedure is None:
             return None
         procedure, example = self._chosen_examples.procedure
-        candidates = (code for code in self.view.procedures if code.procedure_plan.procedure is procedure)
-        code = first_or_raise(candidates, f"code for the procedure '{procedure.name}'")
+        procedure_codes = (code for code in self.view.procedures if code.procedure_plan.procedure is procedure)
+        procedure_code = first_or_raise(procedure_codes, f"code for the procedure '{procedure.name}'")
         argument_values: dict[str, int] = {}
         if example is not None:
             argument_values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
@@ -340,21 +337,21 @@ class ExampleCode:
         return ShownProcedure(
             title=heading,
             about=f"{procedure.title} [{cite(procedure.source)}]. It changes the contents of the encoder.",
-            code=code,
+            procedure_code=procedure_code,
             values=tuple(argument_values.values()),
         )
 
     def _show_register(self, register: Register) -> ShownRegister:
         """Return a register that the program reads, with the source of its worked example."""
         example = self._chosen_examples.registers[register.name].example
-        candidates = (code for code in self.view.registers if code.register is register)
-        code = first_or_raise(candidates, f"code for the register '{register.name}'")
+        register_codes = (code for code in self.view.registers if code.register is register)
+        register_code = first_or_raise(register_codes, f"code for the register '{register.name}'")
         return ShownRegister(
             title=f"{ascii_text(title_of(register))} {register.address:02X}h",
             name=c_name(register.name, _NAMES_OF_LOCALS),
             about=f"a worked example [{cite(example.source)}]",
-            access=code.access,
-            struct=code.struct,
+            access=register_code.access,
+            struct=register_code.struct,
         )
 
     def _yield_memory(self) -> Iterator[Memory]:
@@ -420,7 +417,7 @@ def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
     for example in examples:
         has_verdict = example.reports is not None and bool(example.reports.verdict_function)
         has_position = bool(example.position_member) and example.position is not None
-        has_one_frame = len(example.view.frame_lengths.layouts) == 1
+        has_one_frame = len(example.view.frame_lengths.layout_names) == 1
         if isinstance(example.interface, Biss) and has_verdict and has_position and has_one_frame:
             yield ReceiverCode(example)
 

@@ -130,7 +130,7 @@ class FramesWithCrc:
 
     crc: Crc
     names: tuple[str, ...]
-    residual: UndetectedErrors
+    undetected_errors: UndetectedErrors
 
 
 class _KindOfFrames(NamedTuple):
@@ -186,7 +186,7 @@ def _group_frames_by_crc(devices: tuple[Device, ...]) -> Iterator[FramesWithCrc]
     for kind_of_frames, crc_by_name in sorted(crcs_by_kind.items()):
         first_crc = next(iter(crc_by_name.values()))
         undetected_errors = undetected_errors_of(first_crc, kind_of_frames.bits)
-        yield FramesWithCrc(crc=first_crc, names=tuple(crc_by_name), residual=undetected_errors)
+        yield FramesWithCrc(crc=first_crc, names=tuple(crc_by_name), undetected_errors=undetected_errors)
 
 
 def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -376,7 +376,7 @@ class Guide:
         return isinstance(self.example.interface, Biss)
 
     @property
-    def bits(self) -> str:
+    def bits_macro(self) -> str:
         """The macro of the length of its frame in bits, for a receiver."""
         variant = self.example.code_row.variant
         frames = (frame for frame in self.example.received_sizes if frame.variant is variant)
@@ -424,14 +424,14 @@ def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     programs_by_family = Counter(program.view.device.name for program in examples)
 
     def preference(program: ExampleCode) -> tuple[int, int]:
-        number_of_steps = program.shown_procedure.code.step_count if program.shown_procedure else 0
+        number_of_steps = program.shown_procedure.procedure_code.step_count if program.shown_procedure else 0
         return programs_by_family[program.view.device.name], number_of_steps
 
     example = max(examples, key=preference)
     family = example.view.device.name
     # A register that is one plain byte has no struct.
     registers_with_struct = [register for register in example.shown_registers if register.access.struct]
-    only_writes = example.shown_procedure is not None and not example.shown_procedure.code.read_members
+    only_writes = example.shown_procedure is not None and not example.shown_procedure.procedure_code.read_members
     example_first = sorted(examples, key=lambda program: program is not example)
     return Guide(
         example=example,

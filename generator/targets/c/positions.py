@@ -14,6 +14,9 @@ from .expressions import CCast, CExpression, CFunction, CNumber, ExpressionTrans
 from .names import DeclaredName, c_name
 from .variants import CodeRow, LengthCode
 
+#: C expression for the size of any array.
+_SIZE_OF_ANY_ARRAY = "sizeof(rx)"
+
 
 @dataclass(frozen=True, slots=True)
 class RangeFunctions:
@@ -115,16 +118,16 @@ def _build_positions(context: HeaderContext, measurement: Measurement) -> Positi
 def _angle_positions(context: HeaderContext, measurement: Measurement, counts_per_turn: Expression) -> AnglePositions:
     """Return the functions that convert counts to turns and degrees."""
     ranges = position_ranges(context.device, context.interface)
-    where = f"[{cite(measurement.source)}]"
+    citation = f"[{cite(measurement.source)}]"
     per_turn = wide_number_function(
         context.translator,
         name=f"{context.prefix}_counts_per_turn",
         expression=counts_per_turn,
-        about=f"Return the number of counts in one revolution {where}.",
+        about=f"Return the number of counts in one revolution {citation}.",
     )
     return AnglePositions(
         prefix=context.prefix,
-        citation=where,
+        citation=citation,
         is_signed=any(position_range.signed_field is not None for position_range in ranges),
         counts_per_turn=per_turn,
         ranges=tuple(_range_functions(context, ranges)),
@@ -253,11 +256,11 @@ class ReadCode:
         """
         if self.frame is None:
             return ""
-        if self._frame_lengths.macros and self.frame.struct.layout.name in self._frame_lengths.layouts:
+        if self._frame_lengths.macros and self.frame.struct.layout.name in self._frame_lengths.layout_names:
             return self.buffer_macro(self.frame)
         if self.frame.layout_plan.in_bytes:
             return self.frame.length_macro
-        return f"{self._word_bytes}U" if self._word_bytes else "sizeof(rx)"
+        return f"{self._word_bytes}U" if self._word_bytes else _SIZE_OF_ANY_ARRAY
 
     @property
     def _is_spi_word(self) -> bool:
@@ -291,7 +294,7 @@ class ReadCode:
         user's answer to an open question.
         """
         # If there are several frames, the name includes the name of the frame.
-        layout_names = [frame.struct.layout.name.upper()] if len(self._frame_lengths.layouts) > 1 else []
+        layout_names = [frame.struct.layout.name.upper()] if len(self._frame_lengths.layout_names) > 1 else []
         answers = [f"##{question.argument}##" for question in frame.length_alternatives]
         return "_".join((f"{self._context.PREFIX}_##code##", *layout_names, *answers, "RX_BYTES"))
 
@@ -305,7 +308,7 @@ class ReadCode:
             # Bits to bytes, rounded up.
             return str((sent_bits + 7) // 8)
         buffer_size = self.expected_size
-        if buffer_size == "sizeof(rx)":
+        if buffer_size == _SIZE_OF_ANY_ARRAY:
             return ""
         for question in self.questions:
             first_answer = question.spec_question.answers[0].name.upper()

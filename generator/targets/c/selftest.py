@@ -63,7 +63,7 @@ class FrameCheck:
     word: str
     #: The number of bits in the word, if its decoder takes it.
     length: str
-    expected: tuple[ExpectedMember, ...]
+    expected_members: tuple[ExpectedMember, ...]
     fault: str
 
 
@@ -135,7 +135,7 @@ class SelfTest:
         frames = [check.expectation for check in self.checks if isinstance(check.expectation, FrameCheck)]
         expected_members: list[ExpectedMember] = []
         for frame in frames:
-            expected_members += frame.expected
+            expected_members += frame.expected_members
         return {
             # A frame that is rejected is not encoded, so that there are no bytes to compare.
             "bytes": any(frame.data and not frame.fault for frame in frames),
@@ -272,7 +272,7 @@ class SelfTest:
             data=_format_bytes(example.bytes) if in_bytes else (),
             word="" if in_bytes else _format_hex(word, 64),
             length=length,
-            expected=members,
+            expected_members=members,
             fault=fault,
         )
 
@@ -313,7 +313,7 @@ class SelfTest:
                 data=_format_bytes(example.bytes),
                 word="",
                 length="",
-                expected=tuple(self._expected_members(code.codec, f"reg_{example.register}", example.values)),
+                expected_members=tuple(self._expected_members(code.codec, f"reg_{example.register}", example.values)),
                 fault="",
             )
 

@@ -173,14 +173,16 @@ class SingleCode:
         that follows it.
         """
         title = f"/* -- {self.view.context.interface.title} "
-        after_title = [index + 1 for index, item in enumerate(declarations) if item.comment.startswith(title)]
-        if not after_title or after_title[0] == len(declarations):
+        title_indexes = [index for index, item in enumerate(declarations) if item.comment.startswith(title)]
+        declarations_after_title = declarations[title_indexes[0] + 1 :] if title_indexes else ()
+        if not declarations_after_title:
             return
-        commented = declarations[after_title[0]]
-        kept_names = names_of(self.declarations)
-        if (commented.has_macro or not commented.code) and kept_names.isdisjoint(commented.names):
-            following_names = names_of(declarations[after_title[0] :])
-            is_following = [not following_names.isdisjoint(item.names) for item in self.declarations]
+        commented = declarations_after_title[0]
+        is_comment_on_interface = commented.has_macro or not commented.code
+        is_kept = not names_of(self.declarations).isdisjoint(commented.names)
+        if is_comment_on_interface and not is_kept:
+            following_names = names_of(declarations_after_title)
+            is_following = [not following_names.isdisjoint(kept.names) for kept in self.declarations]
             self.declarations.insert(is_following.index(True), Declaration(commented.comment, code=""))
 
     def _runtime_header(self, name: str) -> str:
@@ -192,7 +194,7 @@ class SingleCode:
         match self.view.context.interface:
             case Biss():
                 return cut_biss_receiver(text, length)
-            case Ssi() if not length.varies:
+            case Ssi() if not length.is_variable:
                 return cut_ssi_receiver(text, length.most_bits)
             case _:
                 return text
@@ -208,7 +210,7 @@ class SingleCode:
             return None
         varies = len(sizes) > 1 or sizes[0].depends_on_registers
         most_bits = sizes[0].layout.widest if varies else sizes[0].frame_bits
-        return WordLength(most_bits, buffer_bytes=sizes[0].buffer_bytes, varies=varies)
+        return WordLength(most_bits, buffer_bytes=sizes[0].buffer_bytes, is_variable=varies)
 
     def _titles_of_other_errata(self) -> Iterator[str]:
         """Yield the titles of the errata that are only about parts of the interface that this header does not have."""

@@ -315,7 +315,7 @@ class ShownProcedure:
 
     title: str
     about: str
-    code: ProcedureCode
+    procedure_code: ProcedureCode
     values: tuple[int, ...]
 
 
