@@ -159,8 +159,8 @@ class LayoutPlan:
 def layout_plan_of(device: Device, layout: Layout) -> LayoutPlan:
     """Return the plan for a frame or register: the positions of its fields, the checks, and the operations."""
     # The bytes of a field are unknown if the order code moves its bits.
-    all_have_bytes = all(field.bit_slices or field.padding_of for field in layout.fields)
-    by_word = not layout.in_bytes or not all_have_bytes or layout.is_converted
+    are_all_bytes_known = all(field.bit_slices or field.padding_of for field in layout.fields)
+    by_word = not layout.in_bytes or not are_all_bytes_known or layout.is_converted
     joined_numbers = tuple(_yield_joined_numbers(layout, by_word))
     checks = (*checks_of_layout(device, layout, by_word), *_checks_of_joined_position(device, layout, joined_numbers))
     return LayoutPlan(
@@ -171,16 +171,16 @@ def layout_plan_of(device: Device, layout: Layout) -> LayoutPlan:
         crcs=tuple(_plan_crc(device, layout, field) for field in layout.crc_fields),
         gray=_find_gray(layout),
         digit_codings=tuple(_yield_digit_codings(layout)),
-        decoded_fields=tuple(_yield_parts(layout)),
+        decoded_fields=tuple(_yield_decoded_fields(layout)),
         joined_numbers=joined_numbers,
         alternatives=device.alternatives_of(layout),
         reserved=tuple(_yield_reserved(layout)),
         checks=checks,
-        encoded_fields=tuple(_yield_terms(layout)),
+        encoded_fields=tuple(_yield_encoded_fields(layout)),
     )
 
 
-def _yield_parts(layout: Layout) -> Iterator[FieldToDecode]:
+def _yield_decoded_fields(layout: Layout) -> Iterator[FieldToDecode]:
     """Yield the fields of a layout that carry data, each with its bits.
 
     A selector with a single valid value is omitted, because its value is the same in every frame of this layout. A
@@ -314,7 +314,7 @@ def _checks_of_joined_position(
         yield JoinNotAbove(joined_position, bits_of(layout, joined_position.fields[0]), position_range.highest)
 
 
-def _yield_terms(layout: Layout) -> Iterator[FieldToEncode]:
+def _yield_encoded_fields(layout: Layout) -> Iterator[FieldToEncode]:
     """Yield each field of an encoded frame with the source of its bits, except the CRC, which is computed last."""
     bit_in_unused_by_name = {field.name: bit_in_unused for field, bit_in_unused in layout.unused}
     for field in layout.fields:

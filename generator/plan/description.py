@@ -212,7 +212,7 @@ def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | No
         order=_byte_order(layout_plan),
         exchanged_bytes=layout.exchanged_bytes,
         columns=tuple(_describe_column(field, field.name in power_of_two_names) for field in layout.fields),
-        joins=tuple(_describe_join(whole) for whole in layout_plan.joined_numbers),
+        joins=tuple(map(_describe_join, layout_plan.joined_numbers)),
         unused=tuple(_describe_reserved_bits(reserved) for reserved in layout_plan.reserved),
         checks=tuple(_describe_check(check) for check in layout_plan.checks),
         parities=tuple(_computed_parities(layout_plan)),
@@ -313,7 +313,7 @@ def _describe_check(check: PlannedCheck) -> Check:
         case ZerosAbove(padding=padding):
             return replace(check_of_field, low=padding.low, width=padding.width, values=(0,))
         case ParityIs(covered_fields=covered_fields, odd=odd, mask=mask):
-            return replace(check_of_field, parity_of=_list_places(covered_fields), odd=odd, mask=mask)
+            return replace(check_of_field, parity_of=_bit_spans_of(covered_fields), odd=odd, mask=mask)
         case IsOneOf(values=values):
             return replace(check_of_field, values=values)
         case AtMost(limit=limit):
@@ -322,9 +322,9 @@ def _describe_check(check: PlannedCheck) -> Check:
             return replace(check_of_field, limit=highest)
         case IsBetween(lowest=lowest, highest=highest):
             return replace(check_of_field, limit=highest, lowest=lowest)
-        case JoinNotAbove(joined_number=whole, highest=highest):
-            places = _list_places(whole.fields)
-            return replace(check_of_field, low=whole.fields[-1].low, width=whole.width, limit=highest, joined=places)
+        case JoinNotAbove(joined_number=number, highest=highest):
+            spans = _bit_spans_of(number.fields)
+            return replace(check_of_field, low=number.fields[-1].low, width=number.width, limit=highest, joined=spans)
         case _:
             assert_never(check)
 
@@ -344,13 +344,13 @@ def _describe_parity(parity_bit: Field, parity: ParityOf) -> Check:
         low=parity_bit.low,
         width=parity_bit.width,
         fault=Fault.CONSTANT,
-        parity_of=_list_places(parity.covered_fields),
+        parity_of=_bit_spans_of(parity.covered_fields),
         odd=parity.odd,
         mask=parity.mask,
     )
 
 
-def _list_places(fields: tuple[Field, ...]) -> tuple[BitSpan, ...]:
+def _bit_spans_of(fields: tuple[Field, ...]) -> tuple[BitSpan, ...]:
     """Return the position and the width of the bits of each field."""
     return tuple(BitSpan(field.low, field.width) for field in fields)
 

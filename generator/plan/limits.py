@@ -313,8 +313,8 @@ def depends_on_order_code(refusal: Refusal) -> bool:
             return not highest.is_constant
         case NotBetween(lowest=lowest, highest=highest):
             return not (lowest.is_constant and highest.is_constant)
-        case JoinDisagrees(whole):
-            return whole.depends_on_order_code
+        case JoinDisagrees(joined_number):
+            return joined_number.depends_on_order_code
         case OutsideLimits(bounds=bounds):
             return not all(limit.is_constant for _, limit in bounds)
         case NotOneOf() | NoPowerOfTwo() | DigitTooHigh() | DigitsDisagree():

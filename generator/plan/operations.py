@@ -309,10 +309,10 @@ class JoinedNumber:
     @property
     def fields_from_low(self) -> Iterator[tuple[Field, Expression]]:
         """Yield its fields, lowest first, each with the position of its lowest bit in the number."""
-        low = Expression(0)
+        lowest_bit = Expression(0)
         for field in reversed(self.fields):
-            yield field, low
-            low += field.width
+            yield field, lowest_bit
+            lowest_bit += field.width
 
     def number_of(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
         """Return the number that the fields form together, for an order code with these parameters.

@@ -303,18 +303,18 @@ def _steps_with_arguments(procedure: ProcedureCode) -> str:
     for (index = 0U; index < {len(types)}U; index++) {{
         arguments[index] = strtok(index == 0U ? text : NULL, " ");
     }}
-    result = {procedure.steps}(variant, {argument_list}, steps, {procedure.count_macro} - 1U, &count);
+    result = {procedure.steps_function}(variant, {argument_list}, steps, {procedure.count_macro} - 1U, &count);
     if (result != CW_FAULT_LENGTH || count != 0U) {{
         abort();
     }}
-    result = {procedure.steps}(variant, {argument_list}, steps, {procedure.count_macro}, &count);
+    result = {procedure.steps_function}(variant, {argument_list}, steps, {procedure.count_macro}, &count);
     print_steps(result, steps, count);
 """
 
 
 def _steps(procedure: ProcedureCode) -> str:
     return f"""    size_t count;
-    const cw_step *const steps = {procedure.steps}(&count);
+    const cw_step *const steps = {procedure.steps_function}(&count);
     (void)variant;
     (void)text;
     print_steps(CW_OK, steps, count);

@@ -210,7 +210,7 @@ def test_it_receives_in_only_one_way(packaged: tuple[Device, ...]) -> None:
     assert "_received_bits(" not in length_varies
     assert "(received < 57U) || (bits == 0U) || (bits > 56U)" in length_varies
     assert "of at least 8 bytes works too" in length_varies
-    length = WordLength(most_bits=62, buffer_bytes=16, varies=False)
+    length = WordLength(most_bits=62, buffer_bytes=16, is_variable=False)
     long_word = cut_biss_receiver(runtime_headers()["receive.h"], length)
     assert "(received < 57U)" not in long_word
     receiver = long_word.partition("cw_biss_receive_bits(\n")[2].partition("\n}\n")[0]

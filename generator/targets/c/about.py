@@ -315,18 +315,18 @@ def about_argument(device: Device, argument: Argument) -> str:
     return HEADER_STYLE.sentence(say_commands.describe_argument(device, argument))
 
 
-def about_run(device: Device, run: ProcedurePlan, read_state: str) -> Iterator[Paragraph]:
+def about_run(device: Device, procedure_plan: ProcedurePlan, read_state: str) -> Iterator[Paragraph]:
     """Yield the comment on the function that carries out a procedure.
 
     It lists the functions that the user's transport must provide. If the procedure changes what frames look like, it
     says to call ``read_state`` afterwards, which updates the variant. ``read_state`` is empty if there is no such
     function.
     """
-    *first_functions, last_function = (CALLS[call] for call in run.calls)
+    *first_functions, last_function = (CALLS[call] for call in procedure_plan.calls)
     functions = f"{', '.join(first_functions)} and {last_function}" if first_functions else last_function
-    interface = device.interface(run.procedure.interface)
+    interface = device.interface(procedure_plan.procedure.interface)
     yield f"The procedure uses {interface.title}. The transport needs {functions}."
-    if read_state and run.changes_frames:
+    if read_state and procedure_plan.changes_frames:
         yield f"The frames depend on the bytes written, so call {read_state}() afterwards to update the variant."
 
 

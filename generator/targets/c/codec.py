@@ -45,8 +45,11 @@ class StructCodec:
         self.about = tuple(about)
         self.decoder = CDecoder(struct)
         self.encoder = CEncoder(struct, limit_checks)
-        alternatives = struct.context.alternatives
-        self.alternatives = tuple(code for code in alternatives if code.spec_question in self.layout_plan.alternatives)
+        questions_of_layout = self.layout_plan.alternatives
+        #: The open questions on which the layout depends.
+        self.alternatives = tuple(
+            question for question in struct.context.alternatives if question.spec_question in questions_of_layout
+        )
         #: Whether a program that reads an encoder decodes the struct, and encodes it. A simulator does the opposite.
         self.decodes = struct.register is not None or struct.layout.sender == "encoder"
         self.encodes = struct.register is not None or not self.decodes
@@ -194,9 +197,8 @@ class StructCodec:
         They are numbers joined from several fields, and numbers whose decimal digits are members, too.
         """
         join_names = (joined_number.join.name for joined_number in self.layout_plan.joined_numbers)
-        decimal_names = (
-            decoded_field.name for decoded_field in self.layout_plan.decoded_fields if decoded_field.field.runs
-        )
+        fields = [decoded_field.field for decoded_field in self.layout_plan.decoded_fields]
+        decimal_names = [field.name for field in fields if field.runs]
         return (*join_names, *decimal_names)
 
     @cached_property
@@ -277,11 +279,8 @@ class StructCodec:
     @property
     def expected_fields(self) -> tuple[Field, ...]:
         """The fields for which the manual states a value, such as a device ID."""
-        return tuple(
-            decoded_field.field
-            for decoded_field in self.layout_plan.decoded_fields
-            if decoded_field.field.equals is not None
-        )
+        fields = [decoded_field.field for decoded_field in self.layout_plan.decoded_fields]
+        return tuple(field for field in fields if field.equals is not None)
 
     @property
     def can_differ_from_manual(self) -> bool:

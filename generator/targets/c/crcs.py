@@ -68,25 +68,26 @@ def fold_operations(steps: Sequence[FoldStep], bits: int, source: str) -> Iterat
         bits: Width of the number.
         source: C expression of the number.
     """
-    # From here on, ``source`` and ``bits`` are the variable and the width of the number before each step.
+    # The C expression that has the number before the next step, and the width of this number.
+    current_source, current_bits = source, bits
     for step in steps:
         # A step moves the bits from ``shift`` up to two places: to bit 0, and to bit ``second_shift``.
-        moved_bits = bits - step.shift
+        moved_bits = current_bits - step.shift
         bits_left = max(step.shift, moved_bits + step.second_shift)
-        if source == "v":
+        if current_source == "v":
             yield Fold(step)
         elif bits_left > 32 or moved_bits > 32:
-            yield FoldWide(step, source, is_declared=source == "wide")
-            source = "wide"
-        elif bits <= 32:
-            yield from (Narrow(source, is_last=False), Fold(step))
-            source = "v"
+            yield FoldWide(step, current_source, is_declared=current_source == "wide")
+            current_source = "wide"
+        elif current_bits <= 32:
+            yield from (Narrow(current_source, is_last=False), Fold(step))
+            current_source = "v"
         else:
-            yield FoldHalves(step, source)
-            source = "v"
-        bits = bits_left
-    if source != "v":
-        yield Narrow(source, is_last=True)
+            yield FoldHalves(step, current_source)
+            current_source = "v"
+        current_bits = bits_left
+    if current_source != "v":
+        yield Narrow(current_source, is_last=True)
 
 
 @dataclass(frozen=True, slots=True)

@@ -98,12 +98,8 @@ class CDecoder:
         """
         names_without_local = self._plain_flags | self._only_reported | self.layout_plan.constants.keys()
         names_without_local |= self._word_parities.keys()
-        texts = [
-            decoded_field.field
-            for decoded_field in self.layout_plan.decoded_fields
-            if isinstance(decoded_field.meaning, Latin1Text)
-        ]
-        names_without_local |= {field.name for field in texts}
+        decoded_fields = self.layout_plan.decoded_fields
+        names_without_local |= {field.name for field in decoded_fields if isinstance(field.meaning, Latin1Text)}
         names_without_local |= {crc.field.name for crc in self.layout_plan.crcs}
         return tuple(field for field in self.layout_plan.layout.fields if field.name not in names_without_local)
 

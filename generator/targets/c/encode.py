@@ -131,11 +131,8 @@ class CEncoder:
         """
         if not self.layout_plan.parity_covers_converted:
             return ()
-        return tuple(
-            self._term_in_word(encoded_field)
-            for encoded_field in self.layout_plan.encoded_fields
-            if isinstance(encoded_field.value, ParityOf)
-        )
+        parity_bits = [field for field in self.layout_plan.encoded_fields if isinstance(field.value, ParityOf)]
+        return tuple(map(self._term_in_word, parity_bits))
 
     def _term_in_word(self, encoded_field: FieldToEncode) -> CExpression:
         """Return the bits of a field, shifted to its place in the word, such as ``(uint64_t)in->position << 8``."""
@@ -309,11 +306,8 @@ class CEncoder:
                     yield bit_slice.byte, _flag_in_byte(member, bit_slice, low_is_active=low)
             case TwosComplement():
                 # Copies of the sign must not reach the zeros above the field.
-                bits = (
-                    self._express_value(encoded_field)
-                    if field.name in self._padded_names
-                    else CCast("uint64_t", member)
-                )
+                is_padded = field.name in self._padded_names
+                bits = self._express_value(encoded_field) if is_padded else CCast("uint64_t", member)
                 for bit_slice in field.bit_slices:
                     yield bit_slice.byte, self._slice_in_byte(field, bit_slice, bits, may_be_wider=True)
             case UnsignedNumber() | ZeroMeans() | NamedChoice() | DecimalDigits():

@@ -281,11 +281,11 @@ class Package(Named):
 
 
 def package_files(
-    views: Sequence[DeviceView], runtime: Iterable[str], tests: Iterable[str], render: Render
+    views: Sequence[DeviceView], runtime_headers: Iterable[str], test_paths: Iterable[str], render: Render
 ) -> dict[str, str]:
     """Return the files of the package that all families share, such as the README, by their path in the C folder.
 
-    ``runtime`` and ``tests`` are the paths of files that other functions return, for lists of files in the package.
+    ``runtime_headers`` and ``test_paths`` are files that other functions return, for lists of files in the package.
     """
     examples = [example for view in views for example in example_codes(view)]
     programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
@@ -303,10 +303,10 @@ def package_files(
         "with_tables": _makers_with_crc(views, lambda crc: not crc.can_be_bitwise and bool(crc.table)),
         "with_bitwise": _makers_with_crc(views, lambda crc: crc.can_be_bitwise),
         "longest": _longest_procedure(views),
-        "headers": [*_headers_of_families(views), *(f"{FOLDER}/{name}" for name in runtime)],
-        "runtime": list(runtime),
+        "headers": [*_headers_of_families(views), *(f"{FOLDER}/{name}" for name in runtime_headers)],
+        "runtime": list(runtime_headers),
         "examples": [program.name for program in programs],
-        "tests": sorted(path for path in tests if path.endswith(".c")),
+        "tests": sorted(path for path in test_paths if path.endswith(".c")),
     }
     files = {path: render(template, values) for path, template in FILES.items()}
     # A build finds the headers under the name of each manufacturer, and under a common name.
@@ -379,11 +379,10 @@ class Guide:
     def bits_macro(self) -> str:
         """The macro of the length of its frame in bits, for a receiver."""
         variant = self.example.code_row.variant
-        frames = (frame for frame in self.example.received_sizes if frame.variant is variant)
+        sizes = (size for size in self.example.received_sizes if size.variant is variant)
         # The first of its two macros takes the bits, the second takes the bytes.
-        macros = self.example.view.frame_lengths.macros_of(
-            first_or_raise(frames, f"frame received from {variant.code}")
-        )
+        frame_size = first_or_raise(sizes, f"frame received from {variant.code}")
+        macros = self.example.view.frame_lengths.macros_of(frame_size)
         return first_or_raise(macros, f"macro for the length of the frames of {variant.code}").name
 
     @property

@@ -103,8 +103,8 @@ RegisterAccess = WriteRegister | ReadRegister | PollRegister | VerifyWrite
 class ProcedureCode:
     """The C code of a procedure, such as setting a preset.
 
-    ``function_name`` is the name of the function that carries it out, and ``steps`` of the function that returns its
-    steps.
+    ``function_name`` is the name of the function that carries it out, and ``steps_function`` of the one that returns
+    its steps.
     """
 
     def __init__(
@@ -112,27 +112,26 @@ class ProcedureCode:
     ) -> None:
         self.context = context
         self.register_code_by_name = registers
-        self.procedure_plan = run = plan_procedure(context.device, procedure)
+        self.procedure_plan = procedure_plan = plan_procedure(context.device, procedure)
         self.function_name = f"{context.prefix}_{procedure.name}"
-        self.steps = f"{self.function_name}_steps"
-        self.count_macro = f"{self.steps}_count".upper()
-        self._c_name_by_argument = {
-            parameter.argument.name: c_name(parameter.argument.name, _NAMES_OF_LOCALS) for parameter in run.arguments
-        }
+        self.steps_function = f"{self.function_name}_steps"
+        self.count_macro = f"{self.steps_function}_count".upper()
+        argument_names = [argument.name for argument in procedure.arguments]
+        self._c_name_by_argument = {name: c_name(name, _NAMES_OF_LOCALS) for name in argument_names}
         #: Registers that take an argument in a member, and as a whole, each by argument and register.
         self._filled_registers = dict(self._yield_filled_registers())
         self._whole_registers = dict(self._yield_whole_registers())
         #: The registers whose written value changes the limits of later steps.
-        self._registers_setting_limits = {
-            step.register.name for step in run.operations if isinstance(step, WriteRegister) and step.determines_limits
-        }
-        self.arguments = [self._build_argument(parameter) for parameter in run.arguments]
+        writes = [step for step in procedure_plan.operations if isinstance(step, WriteRegister)]
+        self._registers_setting_limits = {write.register.name for write in writes if write.determines_limits}
+        self.arguments = [self._build_argument(parameter) for parameter in procedure_plan.arguments]
         self.rows = list(self._yield_rows())
-        self.step_count = sum(map(_number_of_rows, run.operations))
+        self.step_count = sum(map(_number_of_rows, procedure_plan.operations))
         self.read_members = list(self._yield_read_members())
         self.about = about_procedure(context.device, procedure)
         #: The comment on ``function_name``.
-        self.run_about = [*self.about, *about_run(context.device, run, read_state), *self._document_parameters()]
+        about_function = about_run(context.device, procedure_plan, read_state)
+        self.run_about = [*self.about, *about_function, *self._document_parameters()]
 
     @property
     def filled(self) -> list[FilledRegister]:
@@ -193,7 +192,7 @@ class ProcedureCode:
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with the path of the procedure in the spec."""
-        for name in (self.steps, self.count_macro, self.function_name, self.read_type):
+        for name in (self.steps_function, self.count_macro, self.function_name, self.read_type):
             if name:
                 yield name, ("procedures", self.procedure_plan.procedure.name)
 

@@ -53,15 +53,15 @@ class RegisterFunctions:
         #: The only field of a plain byte.
         self._byte_field = register.layout.fields[0]
         #: The named values of the byte, empty if it can have any value.
-        self.values: tuple[int, ...] = ()
+        self.valid_values: tuple[int, ...] = ()
         for check in layout.layout_plan.checks:
             if isinstance(check, IsOneOf):
-                self.values = check.values
+                self.valid_values = check.values
                 break
         self.type = self.struct or self._type_of_byte()
         is_written = register.writable and not register.reserved
-        self.read = f"{context.prefix}_read_{register.name}" if register.readable else ""
-        self.write = f"{context.prefix}_write_{register.name}" if is_written else ""
+        self.read_function = f"{context.prefix}_read_{register.name}" if register.readable else ""
+        self.write_function = f"{context.prefix}_write_{register.name}" if is_written else ""
         self.read_about = self._build_comment(writes=False)
         self.write_about = self._build_comment(writes=True)
         #: The macro of the address that selects its bank, empty if it is in no bank, and the byte to write there.
@@ -98,7 +98,7 @@ class RegisterFunctions:
 
         ``is_raw`` is True if the variable ``name`` contains the byte as read, rather than a value of the enumeration.
         """
-        return self._struct.is_none_of(self._byte_field, CName(name), self.values, is_raw)
+        return self._struct.is_none_of(self._byte_field, CName(name), self.valid_values, is_raw)
 
     @property
     def write_uses_variant(self) -> bool:
@@ -186,10 +186,10 @@ class RegisterCode:
         for bounds in self.limits:
             yield from (name for name, _ in bounds.macros)
             yield from (function.name for function in bounds.functions)
-        if self.access.read:
-            yield self.access.read
-        if self.access.write:
-            yield self.access.write
+        if self.access.read_function:
+            yield self.access.read_function
+        if self.access.write_function:
+            yield self.access.write_function
 
     def _names_of_places(self) -> Iterator[str]:
         """Yield the macros and the functions for the places of fields."""

@@ -89,29 +89,32 @@ class LayoutStruct:
         (interface_name,) = (interface.name for interface, layout in self.device.layouts() if layout is self.layout)
         return ("interfaces", interface_name, "layouts", self.layout.name)
 
-    def crc_function(self, crc: FrameCrc) -> str:
+    def crc_function(self, frame_crc: FrameCrc) -> str:
         """Return the name of the function that computes a CRC of the layout."""
-        return self.context.crc_name(crc.crc, self.layout.carried_as)
+        return self.context.crc_name(frame_crc.crc, self.layout.carried_as)
 
     @property
     def number_type(self) -> str:
         """The C type of the frame as one number."""
         return unsigned(self.reader.word_size)
 
-    def covered_bits(self, crc: FrameCrc) -> CExpression:
+    def covered_bits(self, frame_crc: FrameCrc) -> CExpression:
         """Return the bits of the word that a CRC covers, as they are sent. Bit 0 is the last one.
 
         An example is ``(uint32_t)(word >> 6)``.
         """
-        # The bit above the covered bits. ``covered_bits`` is their number.
-        end = crc.lowest_covered_bit + crc.covered_width.constant if covers_32_bits(crc) else self.reader.word_size
-        bits = shifted_right(self.reader.before_conversion.word_or_lower_half(end), crc.lowest_covered_bit)
-        is_across_halves = covers_32_bits(crc) and end > 32
+        lowest_bit = frame_crc.lowest_covered_bit
+        # The bit above the covered bits.
+        end_bit = self.reader.word_size
+        if covers_32_bits(frame_crc):
+            end_bit = lowest_bit + frame_crc.covered_width.constant
+        bits = shifted_right(self.reader.before_conversion.word_or_lower_half(end_bit), lowest_bit)
+        is_across_halves = covers_32_bits(frame_crc) and end_bit > 32
         return CCast("uint32_t", bits) if is_across_halves else bits
 
-    def received_crc(self, crc: FrameCrc) -> CExpression:
+    def received_crc(self, frame_crc: FrameCrc) -> CExpression:
         """Return the CRC that a word contains in its lowest bits, as it is sent."""
-        width = crc.crc.width
+        width = frame_crc.crc.width
         return masked(self.reader.before_conversion.word_or_lower_half(width), (1 << width) - 1)
 
     # -- members
@@ -124,8 +127,8 @@ class LayoutStruct:
 
     def enumeration(self, field: Field) -> CEnumeration | None:
         """Return the enumeration of a field, or None if its values have no names or are macros."""
-        choice = self.named_values(field)
-        return choice if choice is not None and choice.is_enum else None
+        named_values = self.named_values(field)
+        return named_values if named_values is not None and named_values.is_enum else None
 
     def type_of(self, field: Field) -> str:
         """Return the type of a member, or of each character of a string."""
@@ -133,8 +136,8 @@ class LayoutStruct:
             case ActiveFlag():
                 return "bool"
             case NamedChoice():
-                choice = self.enumeration(field)
-                return choice.type if choice is not None else unsigned(field.widest)
+                enumeration = self.enumeration(field)
+                return enumeration.type if enumeration is not None else unsigned(field.widest)
             case TwosComplement():
                 return signed(field.widest)
             case Latin1Text():
@@ -184,11 +187,8 @@ class LayoutStruct:
     @property
     def without_default(self) -> tuple[str, ...]:
         """The members of a request whose values the spec does not give."""
-        return tuple(
-            c_name(decoded_field.name)
-            for decoded_field in self.layout_plan.decoded_fields
-            if decoded_field.field.default is None
-        )
+        fields = [decoded_field.field for decoded_field in self.layout_plan.decoded_fields]
+        return tuple(c_name(field.name) for field in fields if field.default is None)
 
     def _initial_values(self, field: Field, initial_number: int) -> Iterator[str]:
         """Yield the initial value of each member of a field: one, or with runs of digits also one for each run."""
@@ -196,9 +196,9 @@ class LayoutStruct:
             case ActiveFlag():
                 yield "true" if initial_number else "false"
             case NamedChoice():
-                choice = self.named_values(field)
-                constants = choice.constant_by_value if choice is not None else {}
-                yield constants.get(initial_number, c_number(initial_number, hexadecimal=True))
+                named_values = self.named_values(field)
+                constant_by_value = named_values.constant_by_value if named_values is not None else {}
+                yield constant_by_value.get(initial_number, c_number(initial_number, hexadecimal=True))
             case TwosComplement():
                 yield signed_number(initial_number)
             case DecimalDigits(runs):
@@ -216,14 +216,14 @@ class LayoutStruct:
         ``is_raw`` is True if ``name`` contains the bits as read, rather than a value of the enumeration. Constants of
         the enumeration are then cast to the type of the bits.
         """
-        choice = self.named_values(field)
-        constants = choice.constant_by_value if choice is not None else {}
+        named_values = self.named_values(field)
+        constant_by_value = named_values.constant_by_value if named_values is not None else {}
         needs_cast = is_raw and self.enumeration(field) is not None
         type_of_bits, _ = self.reader.type_and_bits(self.layout_plan.bits_of(field.name))
         conditions: list[CExpression] = []
         for value in values:
-            if value in constants:
-                constant = CName(constants[value])
+            if value in constant_by_value:
+                constant = CName(constant_by_value[value])
                 expected: CExpression = CCast(type_of_bits, constant) if needs_cast else constant
             else:
                 expected = CNumber(value, hexadecimal=True)

@@ -304,9 +304,8 @@ class ShownRegister:
     def members(self) -> int:
         """The number of members in its struct."""
         plan = self.struct.layout_plan
-        return len(plan.joined_numbers) + sum(
-            1 + len(decoded_field.field.runs) for decoded_field in plan.decoded_fields
-        )
+        fields = [decoded_field.field for decoded_field in plan.decoded_fields]
+        return len(plan.joined_numbers) + sum(1 + len(field.runs) for field in fields)
 
 
 @dataclass(frozen=True, slots=True)
