@@ -159,8 +159,8 @@ class LayoutPlan:
 def layout_plan_of(device: Device, layout: Layout) -> LayoutPlan:
     """Return the plan for a frame or register: the positions of its fields, the checks, and the operations."""
     # The bytes of a field are unknown if the order code moves its bits.
-    all_have_bytes = all(field.bit_slices or field.padding_of for field in layout.fields)
-    by_word = not layout.in_bytes or not all_have_bytes or layout.is_converted
+    are_all_bytes_known = all(field.bit_slices or field.padding_of for field in layout.fields)
+    by_word = not layout.in_bytes or not are_all_bytes_known or layout.is_converted
     joined_numbers = tuple(_yield_joined_numbers(layout, by_word))
     checks = (*checks_of_layout(device, layout, by_word), *_checks_of_joined_position(device, layout, joined_numbers))
     return LayoutPlan(
@@ -171,20 +171,20 @@ def layout_plan_of(device: Device, layout: Layout) -> LayoutPlan:
         crcs=tuple(_plan_crc(device, layout, field) for field in layout.crc_fields),
         gray=_find_gray(layout),
         digit_codings=tuple(_yield_digit_codings(layout)),
-        decoded_fields=tuple(_yield_parts(layout)),
+        decoded_fields=tuple(_yield_decoded_fields(layout)),
         joined_numbers=joined_numbers,
         alternatives=device.alternatives_of(layout),
         reserved=tuple(_yield_reserved(layout)),
         checks=checks,
-        encoded_fields=tuple(_yield_terms(layout)),
+        encoded_fields=tuple(_yield_encoded_fields(layout)),
     )
 
 
-def _yield_parts(layout: Layout) -> Iterator[FieldToDecode]:
+def _yield_decoded_fields(layout: Layout) -> Iterator[FieldToDecode]:
     """Yield the fields of a layout that carry data, each with its bits.
 
     A selector with a single valid value is omitted, because its value is the same in every frame of this layout. A
-    field is ``shared`` if a parity bit covers it, or if it is part of a number that several fields form.
+    field ``is_shared`` if a parity bit covers it, or if it is part of a number that several fields form.
     """
     shared_names: set[str] = set()
     for join in layout.joins:
@@ -195,7 +195,7 @@ def _yield_parts(layout: Layout) -> Iterator[FieldToDecode]:
     selector = fixed_selector(layout)
     for field in layout.fields:
         if field.carries_data and field is not selector:
-            yield FieldToDecode(field, bits_of(layout, field), shared=field.name in shared_names)
+            yield FieldToDecode(field, bits_of(layout, field), is_shared=field.name in shared_names)
 
 
 def _yield_reserved(layout: Layout) -> Iterator[Reserved]:
@@ -224,7 +224,7 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
             crc=crc,
             field=field,
             bits=bits,
-            covered=first_covered.low + first_covered.width - last_covered.low,
+            covered_width=first_covered.low + first_covered.width - last_covered.low,
             lowest_covered_bit=last_covered.low.constant,
             covers_part_only=True,
             is_checked_by_division=False,
@@ -235,7 +235,7 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
         crc=crc,
         field=field,
         bits=bits,
-        covered=layout.bits - Expression(crc.width),
+        covered_width=layout.bits - Expression(crc.width),
         lowest_covered_bit=crc.width,
         covers_part_only=False,
         is_checked_by_division=is_of_whole_words and is_checked_by_division(crc, layout),
@@ -314,7 +314,7 @@ def _checks_of_joined_position(
         yield JoinNotAbove(joined_position, bits_of(layout, joined_position.fields[0]), position_range.highest)
 
 
-def _yield_terms(layout: Layout) -> Iterator[FieldToEncode]:
+def _yield_encoded_fields(layout: Layout) -> Iterator[FieldToEncode]:
     """Yield each field of an encoded frame with the source of its bits, except the CRC, which is computed last."""
     bit_in_unused_by_name = {field.name: bit_in_unused for field, bit_in_unused in layout.unused}
     for field in layout.fields:
@@ -366,7 +366,7 @@ def characters(field: Field) -> tuple[tuple[int, int], ...]:
 
 def is_plain_flag(decoded_field: FieldToDecode) -> bool:
     """Return whether a field is a flag whose bit no join and no parity bit uses."""
-    return isinstance(decoded_field.field.kind, Flag) and not decoded_field.shared
+    return isinstance(decoded_field.field.kind, Flag) and not decoded_field.is_shared
 
 
 @dataclass(frozen=True, slots=True)

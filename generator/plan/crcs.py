@@ -31,13 +31,13 @@ class UndetectedErrors:
     counted, so ``missed`` is 0 if ``distance`` is 5.
     """
 
-    bits: int
+    frame_bits: int
     distance: int
     missed: int
 
     @property
     def patterns(self) -> int:
-        return comb(self.bits, self.distance)
+        return comb(self.frame_bits, self.distance)
 
 
 def undetected_errors_of(crc: Crc, bits: int) -> UndetectedErrors:
@@ -48,37 +48,37 @@ def undetected_errors_of(crc: Crc, bits: int) -> UndetectedErrors:
     """
     # The remainder of an error in each single bit, lowest bit first.
     remainders = []
-    remainder = 1
+    bit_remainder = 1
     for _ in range(bits):
-        remainders.append(remainder)
+        remainders.append(bit_remainder)
         # The next bit's remainder is twice this remainder, reduced by the polynomial if it has too many bits.
-        remainder <<= 1
-        if remainder >> crc.width:
-            remainder ^= crc.poly_with_top_bit
-    # The CRC misses an error of several bits if the XOR of their remainders is 0.
+        bit_remainder <<= 1
+        if bit_remainder >> crc.width:
+            bit_remainder ^= crc.poly_with_top_bit
+    # The CRC misses an error of several bits if the XOR of their remainders is 0. This counts the pairs by their XOR.
     pair_counts = Counter(remainder ^ other_remainder for remainder, other_remainder in combinations(remainders, 2))
     missed_2_bit_errors = pair_counts[0]
     # A missed error of three bits is counted three times: once for each pair with the remainder of the third bit.
-    missed_3_bit_errors = sum(pair_counts[remainder] for remainder in remainders) // 3
+    missed_3_bit_errors = sum(pair_counts[third_remainder] for third_remainder in remainders) // 3
     # A missed error of four bits consists of two pairs with the same remainder, in three ways. If two such pairs have a
     # common bit, the CRC also misses two-bit errors, and this number is not used.
     missed_4_bit_errors = sum(comb(pair_count, 2) for pair_count in pair_counts.values()) // 3
     for distance, missed in ((2, missed_2_bit_errors), (3, missed_3_bit_errors), (4, missed_4_bit_errors)):
         if missed:
-            return UndetectedErrors(bits=bits, distance=distance, missed=missed)
-    return UndetectedErrors(bits=bits, distance=5, missed=0)
+            return UndetectedErrors(frame_bits=bits, distance=distance, missed=missed)
+    return UndetectedErrors(frame_bits=bits, distance=5, missed=0)
 
 
 @dataclass(frozen=True, slots=True)
 class FoldStep:
-    """One step of a table-free CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << back)``.
+    """One step of a table-free CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << second_shift)``.
 
-    If ``back`` is 0, the last term is absent.
+    If ``second_shift`` is 0, the last term is absent.
     """
 
     shift: int
     mask: int
-    back: int
+    second_shift: int
 
 
 def reflect(value: int, width: int) -> int:
@@ -156,7 +156,7 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
     fold_steps_of_plan = []
     for k in k_of_steps:
         shift = width << k
-        fold_steps_of_plan.append(FoldStep(shift=shift, mask=(1 << shift) - 1, back=middle_exponent << k))
+        fold_steps_of_plan.append(FoldStep(shift=shift, mask=(1 << shift) - 1, second_shift=middle_exponent << k))
     return tuple(fold_steps_of_plan)
 
 

@@ -212,7 +212,7 @@ def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | No
         order=_byte_order(layout_plan),
         exchanged_bytes=layout.exchanged_bytes,
         columns=tuple(_describe_column(field, field.name in power_of_two_names) for field in layout.fields),
-        joins=tuple(_describe_join(whole) for whole in layout_plan.joined_numbers),
+        joins=tuple(map(_describe_join, layout_plan.joined_numbers)),
         unused=tuple(_describe_reserved_bits(reserved) for reserved in layout_plan.reserved),
         checks=tuple(_describe_check(check) for check in layout_plan.checks),
         parities=tuple(_computed_parities(layout_plan)),
@@ -235,7 +235,7 @@ def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | No
     return replace(
         description,
         verdict_causes=tuple(_describe_verdict_causes(verdict_rules)),
-        otherwise=verdict_rules.otherwise,
+        otherwise=verdict_rules.default_verdict,
         judging_bits=verdict_rules.judging_bits if verdict_rules.may_be_unknown else None,
     )
 
@@ -258,9 +258,9 @@ def _computed_parities(layout_plan: LayoutPlan) -> Iterator[Check]:
 
     A parity bit that is the same in every frame of this layout is omitted, because it is encoded as a constant.
     """
-    for term in layout_plan.encoded_fields:
-        if isinstance(term.value, ParityOf):
-            yield _describe_parity(term.field, term.value)
+    for encoded_field in layout_plan.encoded_fields:
+        if isinstance(encoded_field.value, ParityOf):
+            yield _describe_parity(encoded_field.field, encoded_field.value)
 
 
 def _constant_ones(layout_plan: LayoutPlan) -> Iterator[tuple[BitSpan, int]]:
@@ -268,10 +268,10 @@ def _constant_ones(layout_plan: LayoutPlan) -> Iterator[tuple[BitSpan, int]]:
 
     Encoding starts from a frame of zeros, so constants of 0 need no operation.
     """
-    for term in layout_plan.encoded_fields:
-        if isinstance(term.value, ConstantNumber) and term.value.number != 0:
-            bits = BitSpan(term.field.low, term.field.width)
-            yield bits, term.value.number
+    for encoded_field in layout_plan.encoded_fields:
+        if isinstance(encoded_field.value, ConstantNumber) and encoded_field.value.number != 0:
+            bits = BitSpan(encoded_field.field.low, encoded_field.field.width)
+            yield bits, encoded_field.value.number
 
 
 def _describe_column(field: Field, must_be_power_of_two: bool) -> Column:
@@ -313,7 +313,7 @@ def _describe_check(check: PlannedCheck) -> Check:
         case ZerosAbove(padding=padding):
             return replace(check_of_field, low=padding.low, width=padding.width, values=(0,))
         case ParityIs(covered_fields=covered_fields, odd=odd, mask=mask):
-            return replace(check_of_field, parity_of=_list_places(covered_fields), odd=odd, mask=mask)
+            return replace(check_of_field, parity_of=_bit_spans_of(covered_fields), odd=odd, mask=mask)
         case IsOneOf(values=values):
             return replace(check_of_field, values=values)
         case AtMost(limit=limit):
@@ -322,9 +322,9 @@ def _describe_check(check: PlannedCheck) -> Check:
             return replace(check_of_field, limit=highest)
         case IsBetween(lowest=lowest, highest=highest):
             return replace(check_of_field, limit=highest, lowest=lowest)
-        case JoinNotAbove(joined_number=whole, highest=highest):
-            places = _list_places(whole.fields)
-            return replace(check_of_field, low=whole.fields[-1].low, width=whole.width, limit=highest, joined=places)
+        case JoinNotAbove(joined_number=number, highest=highest):
+            spans = _bit_spans_of(number.fields)
+            return replace(check_of_field, low=number.fields[-1].low, width=number.width, limit=highest, joined=spans)
         case _:
             assert_never(check)
 
@@ -344,13 +344,13 @@ def _describe_parity(parity_bit: Field, parity: ParityOf) -> Check:
         low=parity_bit.low,
         width=parity_bit.width,
         fault=Fault.CONSTANT,
-        parity_of=_list_places(parity.covered_fields),
+        parity_of=_bit_spans_of(parity.covered_fields),
         odd=parity.odd,
         mask=parity.mask,
     )
 
 
-def _list_places(fields: tuple[Field, ...]) -> tuple[BitSpan, ...]:
+def _bit_spans_of(fields: tuple[Field, ...]) -> tuple[BitSpan, ...]:
     """Return the position and the width of the bits of each field."""
     return tuple(BitSpan(field.low, field.width) for field in fields)
 
@@ -363,7 +363,7 @@ def _describe_verdict_causes(verdict_rules: verdicts.VerdictRules) -> Iterator[D
             yield DescribedVerdictCause(
                 verdict=verdict,
                 flag=Name(cause.field.name),
-                unless=tuple(Name(flag.field.name) for flag in verdict_cause.unless),
+                unless=tuple(Name(flag.field.name) for flag in verdict_cause.overriding_flags),
                 mask=_find_reserved_mask(cause),
                 only=verdict_cause.code_condition,
                 when=_list_conditions(cause),
@@ -404,4 +404,4 @@ def _find_reserved_mask(cause: verdicts.Cause) -> int:
 def _list_conditions(cause: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
     """Return the fields of a cause that consists of values, each with its value, or nothing for any other cause."""
     conditions = cause.conditions if isinstance(cause, verdicts.MatchingValues) else ()
-    return tuple((Name(decoded_field.field.name), value) for decoded_field, value in conditions)
+    return tuple((Name(decoded_field.name), value) for decoded_field, value in conditions)

@@ -226,11 +226,11 @@ def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
 
 #: Two idle clocks, the acknowledge and the line delay precede the start bit of a BiSS frame. No manual states how
 #: long an encoder takes. This is an allowance in bits, equal to 4 us at 10 MHz.
-BISS_REST, BISS_ACKNOWLEDGE = 2, 40
+BISS_IDLE_BITS, BISS_ACKNOWLEDGE_BITS = 2, 40
 #: Start bit and CDS before the data, and stop bit after the data.
-BISS_AROUND = 3
+BISS_START_AND_STOP_BITS = 3
 #: On SSI, the line is high until the first clock has latched the position. One more clock shifts out the 0 after it.
-SSI_AROUND = 2
+SSI_EXTRA_BITS = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,8 +244,8 @@ class FrameSize:
 
     variant: Variant
     layout: Layout
-    bits: int
-    bytes: int
+    frame_bits: int
+    buffer_bytes: int
     depends_on_registers: bool
     answers: tuple[Answer, ...] = ()
 
@@ -270,9 +270,9 @@ def _sizes_of_frame(device: Device, interface: Interface, layout: Layout, bits_a
     ``bits_around`` is the number of bits, such as start and stop bits, that a receiver stores together with the frame.
     """
     # A buffer for a data channel must have room for all channels of its frame.
-    channels = channel_frame(interface)
-    is_channel = channels is not None and layout in channels.layouts
-    whole_frame = channels if channels is not None and is_channel else layout
+    frame_of_channels = channel_frame(interface)
+    is_channel = frame_of_channels is not None and layout in frame_of_channels.layouts
+    whole_frame = frame_of_channels if frame_of_channels is not None and is_channel else layout
     length_parameters = device.needed_parameters(whole_frame.bits.parameters)
     register_parameters = {parameter.name for parameter in device.set_parameters if parameter.register}
     depends_on_registers = not length_parameters.isdisjoint(register_parameters)
@@ -285,14 +285,14 @@ def _sizes_of_frame(device: Device, interface: Interface, layout: Layout, bits_a
         device.variants_over(interface.name), answer_combinations(questions)
     ):
         parameters = {**variant.parameters, **answered_parameters}
-        highest_bits = whole_frame.sent_bits.value(parameters)
+        longest_frame_bits = whole_frame.sent_bits.value(parameters)
         if depends_on_registers:
-            highest_bits = whole_frame.widest
+            longest_frame_bits = whole_frame.widest
         yield FrameSize(
             variant=variant,
             layout=layout,
-            bits=layout.sent_bits.value(parameters),
-            bytes=(bits_around + highest_bits + 7) // 8,  # rounded up
+            frame_bits=layout.sent_bits.value(parameters),
+            buffer_bytes=(bits_around + longest_frame_bits + 7) // 8,  # rounded up
             depends_on_registers=depends_on_registers,
             answers=answers,
         )
@@ -305,9 +305,9 @@ def _bits_around(interface: Interface) -> int | None:
     """
     match interface:
         case Ssi():
-            return SSI_AROUND
+            return SSI_EXTRA_BITS
         case Biss():
-            return BISS_REST + BISS_ACKNOWLEDGE + BISS_AROUND
+            return BISS_IDLE_BITS + BISS_ACKNOWLEDGE_BITS + BISS_START_AND_STOP_BITS
         case Rs485() | Spi():
             return None
         case _:
@@ -327,7 +327,7 @@ class Identity:
     """Identifying registers of one interface. ``is_only_interface`` is true if no other interface has any."""
 
     interface: str
-    compared: tuple[IdentityRegister, ...]
+    compared_registers: tuple[IdentityRegister, ...]
     is_only_interface: bool
 
 
@@ -342,24 +342,24 @@ def identities(device: Device) -> Iterator[Identity]:
         for register_name, fields in fields_by_register.items():
             compared_registers.append(IdentityRegister(device.register(register_name), tuple(fields)))
         is_alone = len(fields_by_interface) == 1
-        yield Identity(interface=interface, compared=tuple(compared_registers), is_only_interface=is_alone)
+        yield Identity(interface=interface, compared_registers=tuple(compared_registers), is_only_interface=is_alone)
 
 
 @dataclass(frozen=True, slots=True)
 class HeldParameter:
     """A parameter in a register.
 
-    ``meaning`` converts its bits to an unsigned number. ``low`` and ``high`` are None if no value of the field can be
-    outside them. ``highest_value`` is the highest valid one. If the parameter has codes, its bits are one of them, and
-    ``low`` and ``high`` are None.
+    ``meaning`` converts its bits to an unsigned number. ``lowest_valid`` and ``highest_valid`` are None if no value of
+    the field can be outside them. ``highest_value`` is the highest valid one. If the parameter has codes, its bits are
+    one of them, and ``lowest_valid`` and ``highest_valid`` are None.
     """
 
     parameter: Parameter
     field: Field
     bits: FieldBits
     meaning: UnsignedNumber | ZeroMeans
-    low: int | None
-    high: int | None
+    lowest_valid: int | None
+    highest_valid: int | None
     highest_value: int
 
 
@@ -396,8 +396,8 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
             field=field,
             bits=bits,
             meaning=UnsignedNumber(),
-            low=None,
-            high=None,
+            lowest_valid=None,
+            highest_valid=None,
             highest_value=max(coded.value for coded in parameter.by_code),
         )
     meaning = _unsigned_meaning(field)
@@ -416,8 +416,8 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
         field=field,
         bits=bits,
         meaning=meaning,
-        low=low,
-        high=high,
+        lowest_valid=low,
+        highest_valid=high,
         highest_value=highest_of_bits if high is None else high,
     )
 

@@ -18,30 +18,30 @@ from .operations import IsBetween, JoinedNumber, JoinNotAbove, NotAbove
 class NumberLimits:
     """The limits of a register, or of one of its meanings.
 
-    ``member`` is the limited field or join, or empty if the limits apply to the whole register. ``low`` and ``high``
-    are None if the manual gives no limit. ``can_be_below`` and ``can_be_above`` are true if a value of ``width`` bits,
-    signed or unsigned, can be outside the limit. ``number_for_zero`` is the number that the value 0 encodes, if that is
-    too large for the bits of every order code, such as 256 in 8 bits. Otherwise it is 0.
+    ``member`` is the limited field or join, or empty if the limits apply to the whole register. ``lowest`` and
+    ``highest`` are None if the manual gives no limit. ``can_be_below`` and ``can_be_above`` are true if a value of
+    ``width`` bits, signed or unsigned, can be outside the limit. ``number_for_zero`` is the number that the value 0
+    encodes, if that is too large for the bits of every order code, such as 256 in 8 bits. Otherwise it is 0.
     """
 
     member: str
     signed: bool
     width: Expression
-    low: Expression | None
-    high: Expression | None
+    lowest: Expression | None
+    highest: Expression | None
     can_be_below: bool
     can_be_above: bool
     number_for_zero: int
 
     @property
     def bounds_to_check(self) -> tuple[tuple[str, Expression], ...]:
-        """``("min", low)`` and ``("max", high)``, each only if a value that fits can be outside it."""
-        binding_limits = []
-        if self.low is not None and self.can_be_below:
-            binding_limits.append(("min", self.low))
-        if self.high is not None and self.can_be_above:
-            binding_limits.append(("max", self.high))
-        return tuple(binding_limits)
+        """``("min", lowest)`` and ``("max", highest)``, each only if a value that fits can be outside it."""
+        bounds = []
+        if self.lowest is not None and self.can_be_below:
+            bounds.append(("min", self.lowest))
+        if self.highest is not None and self.can_be_above:
+            bounds.append(("max", self.highest))
+        return tuple(bounds)
 
 
 def limits_of(device: Device, register: Register, meaning: RegisterMeaning | None = None) -> NumberLimits:
@@ -64,18 +64,18 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     for variant in device.variants_over(register.interface):
         representable_ranges.append(_representable_range(width, signed, variant.parameters))
     # 0 may encode a number that does not fit in the bits, such as 256 in 8 bits.
-    is_field = bool(fields) and not is_join
-    zero_means = fields[0].number.zero_means if is_field else 0
-    is_above_range = all(zero_means > representable.highest for representable in representable_ranges)
+    is_single_field = bool(fields) and not is_join
+    encoded_as_zero = fields[0].number.zero_means if is_single_field else 0
+    is_above_range = all(encoded_as_zero > representable.highest for representable in representable_ranges)
     return NumberLimits(
         member=member,
         signed=signed,
         width=width,
-        low=low,
-        high=high,
+        lowest=low,
+        highest=high,
         can_be_below=low is not None and _can_be_below(device, low, representable_ranges),
         can_be_above=high is not None and _can_be_above(device, high, representable_ranges),
-        number_for_zero=zero_means if is_above_range else 0,
+        number_for_zero=encoded_as_zero if is_above_range else 0,
     )
 
 
@@ -297,7 +297,7 @@ def limits_check_of(layout_plan: LayoutPlan, limits: NumberLimits) -> OutsideLim
     for decoded_field in layout_plan.decoded_fields:
         number = decoded_field.field.number
         rejects_zero = bool(number.zero_means) or number.power_of_two
-        if rejects_zero and decoded_field.field.name == limits.member:
+        if rejects_zero and decoded_field.name == limits.member:
             bounds = tuple(bound for bound in bounds if bound != minimum_of_1)
     return OutsideLimits(limits.member, bounds) if bounds else None
 
@@ -313,8 +313,8 @@ def depends_on_order_code(refusal: Refusal) -> bool:
             return not highest.is_constant
         case NotBetween(lowest=lowest, highest=highest):
             return not (lowest.is_constant and highest.is_constant)
-        case JoinDisagrees(whole):
-            return whole.depends_on_order_code
+        case JoinDisagrees(joined_number):
+            return joined_number.depends_on_order_code
         case OutsideLimits(bounds=bounds):
             return not all(limit.is_constant for _, limit in bounds)
         case NotOneOf() | NoPowerOfTwo() | DigitTooHigh() | DigitsDisagree():

@@ -196,7 +196,7 @@ def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:
 class FrameCrc:
     """A CRC at the end of a frame.
 
-    It covers ``covered`` bits from ``lowest_covered_bit`` on, which is everything before the CRC unless
+    It covers ``covered_width`` bits from ``lowest_covered_bit`` on, which is everything before the CRC unless
     ``covers_part_only`` is true. ``is_checked_by_division`` is true if the polynomial divides every valid word once the
     final XOR is removed. ``steps``, if any, then reduce the word without a table. If only some order codes have it,
     ``bits`` is its place in their frames.
@@ -205,7 +205,7 @@ class FrameCrc:
     crc: Crc
     field: Field
     bits: FieldBits
-    covered: Expression
+    covered_width: Expression
     lowest_covered_bit: int
     covers_part_only: bool
     is_checked_by_division: bool
@@ -275,11 +275,15 @@ class DigitCoding:
 
 @dataclass(frozen=True, slots=True)
 class FieldToDecode:
-    """A field of a decoded frame. ``shared`` is true if a join or a parity bit also uses its bits."""
+    """A field of a decoded frame. ``is_shared`` is true if a join or a parity bit also uses its bits."""
 
     field: Field
     bits: FieldBits
-    shared: bool
+    is_shared: bool
+
+    @property
+    def name(self) -> str:
+        return self.field.name
 
     @property
     def meaning(self) -> Meaning:
@@ -305,10 +309,10 @@ class JoinedNumber:
     @property
     def fields_from_low(self) -> Iterator[tuple[Field, Expression]]:
         """Yield its fields, lowest first, each with the position of its lowest bit in the number."""
-        low = Expression(0)
+        lowest_bit = Expression(0)
         for field in reversed(self.fields):
-            yield field, low
-            low += field.width
+            yield field, lowest_bit
+            lowest_bit += field.width
 
     def number_of(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
         """Return the number that the fields form together, for an order code with these parameters.
@@ -396,6 +400,10 @@ class FieldToEncode:
     field: Field
     bits: FieldBits
     value: ConstantNumber | ValueOfField | ParityOf | ReservedBits
+
+    @property
+    def name(self) -> str:
+        return self.field.name
 
     @property
     def depends_on_order_code(self) -> bool:

@@ -132,8 +132,8 @@ def _add_verification(operations: Iterable[PlannedStep]) -> Iterator[PlannedStep
         if not isinstance(operation, WriteRegister):
             yield operation
             continue
-        is_written_again = any(_writes_same_place(operation, earlier_write) for earlier_write in unverified_writes)
-        if is_written_again or _makes_writes_effective(operation):
+        overwrites_earlier = any(_writes_same_bits(operation, earlier_write) for earlier_write in unverified_writes)
+        if overwrites_earlier or _makes_writes_effective(operation):
             for earlier_write in unverified_writes:
                 bit_slices = tuple(_slices_to_verify(earlier_write))
                 yield VerifyWrite(earlier_write, bit_slices)
@@ -151,7 +151,7 @@ def _makes_writes_effective(write: WriteRegister) -> bool:
     return write.locks_again or not write.register.readable
 
 
-def _writes_same_place(write: WriteRegister, earlier_write: WriteRegister) -> bool:
+def _writes_same_bits(write: WriteRegister, earlier_write: WriteRegister) -> bool:
     """Return whether two writes change the same bits: the same field, or a register and one of its fields."""
     has_same_register = write.register is earlier_write.register
     writes_whole_register = write.field is None or earlier_write.field is None

@@ -236,6 +236,7 @@ def bits_by_byte(register: Register, field: Field | None = None) -> tuple[BitSli
         slices_by_byte = {bit_slice.byte: bit_slice for bit_slice in field.bit_slices}
         if slices_by_byte and register.is_accessed_whole:
             for byte in range(register.length):
+                # The mask 0 selects no bit.
                 slices_by_byte.setdefault(byte, BitSlice(byte, low_in_byte=0, mask=0, low_in_number=0))
         return tuple(slices_by_byte[byte] for byte in sorted(slices_by_byte))
     bit_slices = []
@@ -307,5 +308,5 @@ def _limit_refusals(device: Device, register: Register, argument: Argument) -> I
     meaning_by_name = {meaning.name: meaning for meaning in register.meanings}
     meaning = meaning_by_name.get(argument.meant_as)
     limits = limits_of(device, register, meaning)
-    if limits.low is not None or limits.high is not None:
+    if limits.lowest is not None or limits.highest is not None:
         yield OutsideArgumentLimits(register, meaning, limits)

@@ -147,8 +147,8 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
     It must equal the same one of these two quantities for all order codes. Order codes without the parameter, or
     without a known number of counts, are ignored. The result is false if no order code remains.
     """
-    # Quantities that equal the parameter for all order codes so far. None before the first of them.
-    quantities_equal_so_far: frozenset[str] | None = None
+    # For each order code, the quantities that equal the parameter.
+    quantities_by_code: list[frozenset[str]] = []
     for variant in device.variants:
         # A parameter without an interface applies to all interfaces.
         applies_to_variant = parameter.interface in ("", variant.interface)
@@ -163,12 +163,9 @@ def _equals_quantity(device: Device, parameter: Parameter) -> bool:
         order_code_determines_counts = needed_names <= variant.parameters.keys()
         if differs_between_frames or not order_code_determines_counts:
             return False
-        equal_quantities = _equal_quantities(measurement, variant.parameters[parameter.name], variant.parameters)
-        if quantities_equal_so_far is None:
-            quantities_equal_so_far = equal_quantities
-        else:
-            quantities_equal_so_far &= equal_quantities
-    return bool(quantities_equal_so_far)
+        parameter_value = variant.parameters[parameter.name]
+        quantities_by_code.append(_equal_quantities(measurement, parameter_value, variant.parameters))
+    return bool(quantities_by_code) and bool(frozenset.intersection(*quantities_by_code))
 
 
 def _equal_quantities(measurement: Measurement, number: int, parameters: Mapping[str, int]) -> frozenset[str]:

@@ -56,14 +56,14 @@ Cause = FieldToDecode | Reserved | MatchingValues
 class VerdictCause:
     """Cause of a verdict: ``cause`` a flag, reserved bits, or a combination of values.
 
-    A flag that combines several others has no effect while one of the flags ``unless`` is active. ``unless`` omits
+    A flag that combines several others has no effect while one of the ``overriding_flags`` is active. They omit
     flags that lead to the same verdict or a worse one, since they make no difference. ``code_condition`` selects the
     order codes to which the cause applies, or is None for all of them. If an answer of the user to an open question
     decides the verdict, ``answer_condition`` is the condition on the parameter that the answer sets.
     """
 
     cause: Cause
-    unless: tuple[FieldToDecode, ...]
+    overriding_flags: tuple[FieldToDecode, ...]
     code_condition: CodeCondition | None = None
     answer_condition: CodeCondition | None = None
 
@@ -75,16 +75,16 @@ class VerdictCause:
 
 @dataclass(frozen=True, slots=True)
 class VerdictRules:
-    """Verdict on the position of a frame: the verdict of the worst active cause, or ``otherwise`` if none is active.
+    """Verdict on a position: the verdict of the worst active cause, or ``default_verdict`` if none is active.
 
-    If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning. ``judging_bits`` is the
-    number of bits that say whether the position is usable. For order codes for which this number is 0, UNKNOWN is also
-    a verdict.
+    If ``default_verdict`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning. ``judging_bits``
+    is the number of bits that say whether the position is usable. For order codes for which this number is 0, UNKNOWN
+    is also a verdict.
     """
 
     not_usable: tuple[VerdictCause, ...]
     with_warning: tuple[VerdictCause, ...]
-    otherwise: Verdict
+    default_verdict: Verdict
     judging_bits: Expression
 
     @property
@@ -95,15 +95,15 @@ class VerdictRules:
     def for_parameters(self, parameters: Mapping[str, int]) -> VerdictRules:
         """Return the rules for an order code with these parameters, without causes whose bits its frames lack.
 
-        If no bit of its frames says whether the position is usable, ``otherwise`` is UNKNOWN. The causes of warnings
-        are then omitted, since UNKNOWN is worse than a warning.
+        If no bit of its frames says whether the position is usable, ``default_verdict`` is UNKNOWN. The causes of
+        warnings are then omitted, since UNKNOWN is worse than a warning.
         """
         not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.cause, parameters))
         judges_position = self.judging_bits.value(parameters) > 0
         if not judges_position:
-            return VerdictRules(not_usable, with_warning=(), otherwise=Verdict.UNKNOWN, judging_bits=Expression(0))
+            return VerdictRules(not_usable, (), default_verdict=Verdict.UNKNOWN, judging_bits=Expression(0))
         with_warning = tuple(cause for cause in self.with_warning if _has_bits(cause.cause, parameters))
-        return VerdictRules(not_usable, with_warning, otherwise=self.otherwise, judging_bits=Expression(1))
+        return VerdictRules(not_usable, with_warning, default_verdict=self.default_verdict, judging_bits=Expression(1))
 
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
@@ -141,34 +141,34 @@ def verdict_rules_of(layout_plan: LayoutPlan) -> VerdictRules:
                 for verdict, verdict_cause in _verdicts_of_flag(cause, _decoded_fields(layout_plan)):
                     causes_by_verdict[verdict].append(verdict_cause)
             case Unused(makes_position=verdict):
-                causes_by_verdict[verdict].append(VerdictCause(cause, unless=()))
+                causes_by_verdict[verdict].append(VerdictCause(cause, overriding_flags=()))
     not_usable = tuple(causes_by_verdict[Verdict.NOT_USABLE])
     with_warning: tuple[VerdictCause, ...] = ()
-    otherwise = Verdict.UNKNOWN
+    default_verdict = Verdict.UNKNOWN
     if layout_plan.layout.judges_position:
         with_warning = tuple(causes_by_verdict[Verdict.USABLE_WITH_WARNING])
-        otherwise = Verdict.USABLE
+        default_verdict = Verdict.USABLE
     judging_bits = layout_plan.layout.judging_bits
-    return VerdictRules(not_usable, with_warning, otherwise=otherwise, judging_bits=judging_bits)
+    return VerdictRules(not_usable, with_warning, default_verdict=default_verdict, judging_bits=judging_bits)
 
 
 def _decoded_fields(layout_plan: LayoutPlan) -> dict[str, FieldToDecode]:
     """Return the fields of a frame that carry data, by name."""
-    return {decoded_field.field.name: decoded_field for decoded_field in layout_plan.decoded_fields}
+    return {decoded_field.name: decoded_field for decoded_field in layout_plan.decoded_fields}
 
 
 def _verdicts_of_flag(cause: Cause, fields: Mapping[str, FieldToDecode]) -> Iterator[tuple[Verdict, VerdictCause]]:
     """Yield the verdicts to which a flag can lead, each with its conditions on the order code and the user's answer.
 
     A flag that combines others (``sums_up``) has no effect while one of these is active, because the specific flag
-    decides the verdict. ``unless`` lists these flags. ``fields`` are the fields of the frame by name.
+    decides the verdict. ``overriding_flags`` are these flags. ``fields`` are the fields of the frame by name.
     """
-    for flag, only in _flag_by_order_code(cause.field):
+    for flag, code_condition in _flag_by_order_code(cause.field):
         combined_flags = [fields[name] for name in flag.sums_up if name in fields]
-        for verdict, chosen in _verdict_by_answer(flag):
+        for verdict, answer_condition in _verdict_by_answer(flag):
             # A combined flag that leads to the same verdict or a worse one makes no difference.
-            milder = tuple(combined for combined in combined_flags if not _always_leads_to(combined, verdict, fields))
-            yield verdict, VerdictCause(cause=cause, unless=milder, code_condition=only, answer_condition=chosen)
+            milder_flags = [combined for combined in combined_flags if not _always_leads_to(combined, verdict, fields)]
+            yield verdict, VerdictCause(cause, tuple(milder_flags), code_condition, answer_condition)
 
 
 def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, CodeCondition | None]]:
@@ -178,9 +178,9 @@ def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, CodeCondition | No
     other order codes. It is yielded only once if this makes no difference to the verdict.
     """
     flags_with_conditions: list[tuple[Flag, CodeCondition | None]] = []
-    for field_of_codes, only in by_order_code(field):
-        assert isinstance(field_of_codes.kind, Flag)
-        flags_with_conditions.append((field_of_codes.kind, only))
+    for field_for_codes, code_condition in by_order_code(field):
+        assert isinstance(field_for_codes.kind, Flag)
+        flags_with_conditions.append((field_for_codes.kind, code_condition))
     # ``makes_position`` is the verdict, and ``sums_up`` lists the flags that a flag combines.
     effects_on_verdict = {(flag.makes_position, flag.sums_up, flag.verdict_if_set) for flag, _ in flags_with_conditions}
     if len(effects_on_verdict) == 1:
@@ -326,15 +326,16 @@ def reportings(device: Device) -> dict[str, ReportsAndVerdict]:
 
     Frames with neither of them are omitted.
     """
-    reports = _index_reports(device)
+    reports_by_frame_and_field = _index_reports(device)
     reporting_by_frame: dict[str, ReportsAndVerdict] = {}
     for interface, layout in _sent_layouts(device):
         layout_plan = layout_plan_of(device, layout)
         causes: list[ReportCause] = []
         for cause in verdict_causes(layout_plan):
-            for field, only in by_order_code(cause.field):
+            for field, code_condition in by_order_code(cause.field):
                 if _is_reported(field):
-                    causes.append(ReportCause(reports[layout.name, field.name], cause=cause, code_condition=only))
+                    report = reports_by_frame_and_field[layout.name, field.name]
+                    causes.append(ReportCause(report, cause=cause, code_condition=code_condition))
         verdict_rules = verdict_rules_of(layout_plan) if device.has_verdict(interface.name, layout) else None
         if causes or verdict_rules is not None:
             reporting_by_frame[layout.name] = ReportsAndVerdict(interface, layout_plan, tuple(causes), verdict_rules)
@@ -378,9 +379,9 @@ def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, CodeCondition | Non
     """
     flags_without_bits = [sign.flag for sign in layout.signs]
     for field in (*layout.fields, *flags_without_bits):
-        for field_of_codes, only in by_order_code(field):
-            if _is_reported(field_of_codes):
-                yield field_of_codes, only
+        for field_for_codes, code_condition in by_order_code(field):
+            if _is_reported(field_for_codes):
+                yield field_for_codes, code_condition
 
 
 class _ReportedField(NamedTuple):
@@ -403,9 +404,9 @@ def _reported_fields(device: Device) -> list[_ReportedField]:
     explained_fields: list[_ReportedField] = []
     unexplained_fields: list[_ReportedField] = []
     for interface, layout in _sent_layouts(device):
-        for field, only in _fields_by_code(layout):
+        for field, code_condition in _fields_by_code(layout):
             reported_field = _ReportedField(interface=interface.name, frame=layout.name, field=field)
-            is_explained = only is None or only.holds
+            is_explained = code_condition is None or code_condition.holds
             if is_explained:
                 explained_fields.append(reported_field)
             else:

@@ -206,14 +206,14 @@ def codecs(view: DeviceView) -> list[StructCodec]:
 
 def members(codec: StructCodec) -> list[Member]:
     struct_members = []
-    for field in (part.field for part in codec.plan.decoded_fields):
+    for field in (part.field for part in codec.layout_plan.decoded_fields):
         if isinstance(field.kind, Text):
             struct_members.append(Member("char", c_name(field.name), field.widest // 8))
             continue
         struct_members.append(Member(codec.struct.type_of(field), c_name(field.name), 0))
         struct_members += [Member(unsigned((run.modulus - 1).bit_length()), c_name(run.name), 0) for run in field.runs]
     struct_members += [
-        Member(unsigned(whole.widest), c_name(whole.join.name), 0) for whole in codec.plan.joined_numbers
+        Member(unsigned(whole.widest), c_name(whole.join.name), 0) for whole in codec.layout_plan.joined_numbers
     ]
     struct_members += [Member(codec.struct.unused.type, "unused", 0)] if codec.struct.unused else []
     return struct_members or [Member("uint8_t", "no_data", 0)]
@@ -235,7 +235,7 @@ def word_of(codec: StructCodec) -> str:
 def _too_high(codec: StructCodec) -> str:
     """Return the start of a conditional for numbers that the type of the word cannot hold, so no caller passes them."""
     size = codec.struct.reader.word_size
-    if codec.plan.in_bytes or size == 64:
+    if codec.layout_plan.in_bytes or size == 64:
         return ""
     return f"(number(text) >> {size}U) != 0U ? CW_FAULT_LENGTH : "
 
@@ -287,7 +287,7 @@ def _select(view: DeviceView, kind: str, function: str) -> str:
 
 def _procedure_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
     for procedure in view.procedures:
-        name = procedure.plan.procedure.name
+        name = procedure.procedure_plan.procedure.name
         fetch = _steps_with_arguments(procedure) if procedure.arguments else _steps(procedure)
         yield "steps", name, f"static void steps_{name}({view.prefix} variant, char *text)\n{{\n{fetch}}}\n"
 
@@ -303,18 +303,18 @@ def _steps_with_arguments(procedure: ProcedureCode) -> str:
     for (index = 0U; index < {len(types)}U; index++) {{
         arguments[index] = strtok(index == 0U ? text : NULL, " ");
     }}
-    result = {procedure.steps}(variant, {argument_list}, steps, {procedure.count_macro} - 1U, &count);
+    result = {procedure.steps_function}(variant, {argument_list}, steps, {procedure.count_macro} - 1U, &count);
     if (result != CW_FAULT_LENGTH || count != 0U) {{
         abort();
     }}
-    result = {procedure.steps}(variant, {argument_list}, steps, {procedure.count_macro}, &count);
+    result = {procedure.steps_function}(variant, {argument_list}, steps, {procedure.count_macro}, &count);
     print_steps(result, steps, count);
 """
 
 
 def _steps(procedure: ProcedureCode) -> str:
     return f"""    size_t count;
-    const cw_step *const steps = {procedure.steps}(&count);
+    const cw_step *const steps = {procedure.steps_function}(&count);
     (void)variant;
     (void)text;
     print_steps(CW_OK, steps, count);
@@ -332,7 +332,7 @@ def _tested_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
             yield "expected", name, _expected_branch(view, codec, name)
         if codec.reports is not None:
             yield "tells", name, _report_branch(view, codec, name)
-    if view.reports.all:
+    if view.reports.all_reports:
         yield "text", "of", _text(view)
     for identity in view.identities:
         yield "candidates", "of", _candidates(view, identity)
@@ -341,11 +341,11 @@ def _tested_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
 def _takes(view: DeviceView) -> str:
     """Return the branches that set the state of the program: registers, answers, and members of the variant."""
     takes = ""
-    for taker in view.take_functions:
+    for taker in view.variant_updaters:
         register = taker.name.removeprefix(f"{view.prefix}_take_")
         takes += _TAKE.replace("@register@", register).replace("@call@", taker.name)
     for question in view.alternatives:
-        takes += _ANSWER.replace("@alternative@", question.alternative.name).replace("@type@", question.type)
+        takes += _ANSWER.replace("@alternative@", question.spec_question.name).replace("@type@", question.type)
     interface = view.interface.interface.name
     names = {parameter.name for parameter in view.device.parameters if parameter.interface == interface}
     for alternative in view.device.alternatives:
@@ -448,10 +448,10 @@ def _call(view: DeviceView, function: Numeric, name: str) -> str:
 
 def _decoded(view: DeviceView, codec: StructCodec, verb: str, name: str, then: str) -> str:
     """Return a function that decodes, prints the result and, if there is no error, prints ``then`` of ``out``."""
-    decode_arguments = answers(codec) + ("b, bytes_of(text, b)" if codec.plan.in_bytes else word_of(codec))
+    decode_arguments = answers(codec) + ("b, bytes_of(text, b)" if codec.layout_plan.in_bytes else word_of(codec))
     return f"""static void {verb}_{name}({view.prefix} variant, char *text)
 {{
-    {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
+    {"" if not codec.layout_plan.in_bytes else "uint8_t b[64];"}
     {codec.type} out;
     cw_result result;
     memset(&out, 0x5A, sizeof out);
@@ -472,7 +472,7 @@ def _expected_branch(view: DeviceView, codec: StructCodec, name: str) -> str:
 
 def _report_branch(view: DeviceView, codec: StructCodec, name: str) -> str:
     assert codec.reports is not None
-    verdict, reports = codec.reports.verdict, codec.reports.reports
+    verdict, reports = codec.reports.verdict_function, codec.reports.reports_function
     then = f'printf(" %d", (int){verdict}(variant, &out));' if verdict else 'printf(" -");'
     then += f' printf(" %llX", (unsigned long long){reports}(variant, &out));' if reports else ' printf(" -");'
     return _decoded(view, codec, "tells", name, then + _position(view, codec))
@@ -480,7 +480,7 @@ def _report_branch(view: DeviceView, codec: StructCodec, name: str) -> str:
 
 def _wrong_length(codec: StructCodec) -> str:
     """Return the frame of a wrong length, or an empty string if the type of its word holds no longer frame."""
-    if codec.plan.in_bytes:
+    if codec.layout_plan.in_bytes:
         return "b, 0U"
     if codec.word_has_length:
         return "cw_word_of(~(uint64_t)0U, 64U)"
@@ -491,7 +491,7 @@ def _position(view: DeviceView, codec: StructCodec) -> str:
     """The short way gives the same verdict and position as the long one, and stores only usable positions."""
     if not codec.position_member:
         return ""
-    decode_arguments = answers(codec) + ("b, bytes_of(text, b)" if codec.plan.in_bytes else word_of(codec))
+    decode_arguments = answers(codec) + ("b, bytes_of(text, b)" if codec.layout_plan.in_bytes else word_of(codec))
     wrong_length = _wrong_length(codec)
     refused = f"{codec.name}_position(variant, {answers(codec)}{wrong_length}, &position) == CW_NOT_USABLE"
     return f"""
@@ -509,7 +509,7 @@ def _position(view: DeviceView, codec: StructCodec) -> str:
 def _text(view: DeviceView) -> str:
     return f"""static void text_of({view.prefix} variant, char *text)
 {{
-    const cw_report_text *const found = {view.reports.text}(({view.reports.mask})number(text));
+    const cw_report_text *const found = {view.reports.text_function}(({view.reports.mask_type})number(text));
     (void)variant;
     printf("\\"%s\\" \\"%s\\" \\"%s\\" \\"%s\\" \\"%s\\"\\n", found->name, found->printed_name, found->meaning,
            found->remedy, found->source);
@@ -519,7 +519,7 @@ def _text(view: DeviceView) -> str:
 
 def _candidates(view: DeviceView, identity: IdentityCode) -> str:
     reads, start = "", "text"
-    for part in identity.compared:
+    for part in identity.compared_registers:
         name = c_name(part.register.name)
         reads += f'    bytes_of(strtok({start}, " "), b);\n    memcpy(read.{name}, b, sizeof read.{name});\n'
         start = "NULL"
@@ -551,12 +551,12 @@ def _decode(view: DeviceView, codec: StructCodec, name: str) -> str:
     prints = "".join(map(_print, members(codec)))
     call = (
         f"{codec.name}_decode(variant, {answers(codec)}{word_of(codec)}, &out)"
-        if not codec.plan.in_bytes
+        if not codec.layout_plan.in_bytes
         else f"{codec.name}_decode(variant, {answers(codec)}b, bytes_of(text, b), &out)"
     )
     return f"""static void decode_{name}({view.prefix} variant, char *text)
 {{
-    {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
+    {"" if not codec.layout_plan.in_bytes else "uint8_t b[64];"}
     {codec.type} out;
     {codec.type} before;
     cw_result result;
@@ -599,7 +599,7 @@ def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
     reads = ""
     for member in members(codec):
         reads += f'    item = strtok({"NULL" if reads else "text"}, " ");\n{_read(member)}'
-    call = _encode_bytes(codec) if codec.plan.in_bytes else _encode_word(codec)
+    call = _encode_bytes(codec) if codec.layout_plan.in_bytes else _encode_word(codec)
     setters = "".join(_set_again(codec, set_name) for set_name in codec.set_names)
     return f"""static void encode_{name}({view.prefix} variant, char *text)
 {{

@@ -155,7 +155,7 @@ def test_each_byte_of_the_identity_counts(family: tuple[Device, Run]) -> None:
         assert identities == []  # The registers are known, but not their contents.
         return
     (identity,) = identities
-    registers = [part.register for part in identity.compared]
+    registers = [part.register for part in identity.compared_registers]
     variant = variant_of(device, registers[0])
     read = [identity_bytes(register, variant) for register in registers]
     pairs = []

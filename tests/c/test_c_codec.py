@@ -538,7 +538,7 @@ def test_crcs_of_every_form(words: Device, run_words: Run) -> None:
     random_ = random.Random("forms")
     pairs = []
     word_crcs = [codec.word_crc for view in views_of(words) for codec in view.interface.codecs]
-    longest = {function.crc.name: (function.bits - function.crc.width) // 8 for function in word_crcs if function}
+    longest = {function.crc.name: (function.word_bits - function.crc.width) // 8 for function in word_crcs if function}
     assert longest == {"dense_16": 4, "plain_20": 3}
     for crc in (crc for crc in words.crcs if crc.name != "twice_8"):  # in no frame, so that C has no function
         for length in (1, 2, 3, 5, 7, 8):

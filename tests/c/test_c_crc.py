@@ -74,7 +74,7 @@ def test_any_number_of_bits(crcs: Device, run_form: Run, name: str) -> None:
     word = next(
         (codec.word_crc for codec in view.interface.codecs if codec.word_crc and codec.word_crc.crc.name == name), None
     )
-    longest = 64 if word is None else word.bits - word.crc.width
+    longest = 64 if word is None else word.word_bits - word.crc.width
     assert longest >= 31
     for digits in range(1, longest // 4 + 1):
         bits = 4 * digits

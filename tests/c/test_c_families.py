@@ -521,7 +521,7 @@ def test_candidates_are_the_order_codes_that_read_so(family: Family) -> None:
         assert identities == []
         return
     (identity,) = identities
-    registers = [part.register for part in identity.compared]
+    registers = [part.register for part in identity.compared_registers]
     pairs = []
     variants = [variant for variant in device.variants if variant.interface == registers[0].interface]
     for variant in variants:

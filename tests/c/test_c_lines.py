@@ -13,7 +13,7 @@ from codewheel.targets.c.expressions import (
     CNumber,
     Conditional,
     COperation,
-    ParameterSpelling,
+    ExpressionTranslator,
     join_operands,
     masked,
     shifted_left,
@@ -98,6 +98,6 @@ def test_operations_within_others_stand_in_parentheses(tree: CExpression, text: 
     ],
 )  # fmt: skip
 def test_parameters_are_members_of_the_variant_or_functions_of_it(text: str, unsigned: str, signed: str) -> None:
-    scope = ParameterSpelling("m_d", {"set": 255}, {})
-    assert str(scope.expression_of(Expression.parse(text))) == unsigned
-    assert str(scope.signed(Expression.parse(text))) == signed
+    scope = ExpressionTranslator("m_d", {"set": 255}, {})
+    assert str(scope.to_c(Expression.parse(text))) == unsigned
+    assert str(scope.to_signed_c(Expression.parse(text))) == signed

@@ -37,7 +37,7 @@ def test_every_name_is_given_out_once(name: str, every_device: Mapping[str, Devi
     files = generate(Library((device,)))
     for view in views_of(device):
         names = Counter(declared(files[f"c/include/{header}"] for header in view.headers).names)
-        assert set(names) == {path for path in view.names.paths if not path.endswith(("_H", "_HPP"))}
+        assert set(names) == {path for path in view.names.path_by_name if not path.endswith(("_H", "_HPP"))}
         assert max(names.values()) == 1
         assert view.names.clashes == []
         begins = (f"{view.prefix}_", f"{view.PREFIX}_")

@@ -210,7 +210,7 @@ def test_it_receives_in_only_one_way(packaged: tuple[Device, ...]) -> None:
     assert "_received_bits(" not in length_varies
     assert "(received < 57U) || (bits == 0U) || (bits > 56U)" in length_varies
     assert "of at least 8 bytes works too" in length_varies
-    length = WordLength(most_bits=62, buffer_bytes=16, varies=False)
+    length = WordLength(most_bits=62, buffer_bytes=16, is_variable=False)
     long_word = cut_biss_receiver(runtime_headers()["receive.h"], length)
     assert "(received < 57U)" not in long_word
     receiver = long_word.partition("cw_biss_receive_bits(\n")[2].partition("\n}\n")[0]
@@ -259,11 +259,11 @@ BITS_BEFORE = {"biss": "110010", "ssi": "1", "spi": ""}
 
 def buffers(view: DeviceView, count: int) -> bytes:
     """Valid and disturbed frames as they are received, each after its length as a size_t."""
-    assert view.reading.frame is not None
-    layout, interface = view.reading.frame.struct.layout, view.context.interface.name
+    assert view.position_reader.frame is not None
+    layout, interface = view.position_reader.frame.struct.layout, view.context.interface.name
     channels = channel_frame(view.context.interface)
     layouts = channels.layouts if channels is not None else (layout,)
-    random_ = random.Random(view.row.macro)
+    random_ = random.Random(view.code_row.macro)
     placed = [sent.place(view.device.variants[0].parameters) for sent in layouts]
     placed = [channel for channel in placed if channel.bits]
     cases: list[Any] = [SimpleNamespace(device=view.device, placed=channel) for channel in placed]
@@ -315,7 +315,7 @@ def test_it_reads_what_the_tree_reads(packaged: tuple[Device, ...], first_family
             tree_header = (include / device.manufacturer.name / f"{device.name}_{interface}.h").read_text("ascii")
             (view,) = views_of(for_codes(device, {code}))
             # Without a macro there is no single frame with a position. An open question of the manual is an argument.
-            if f"{own.upper()}_READ_BYTES(" not in header or view.reading.questions:
+            if f"{own.upper()}_READ_BYTES(" not in header or view.position_reader.questions:
                 continue
             position = r"(\w+) \*position\)"
             own_type, tree_type = (re.findall(position, text)[0] for text in (header, tree_header))
@@ -323,7 +323,7 @@ def test_it_reads_what_the_tree_reads(packaged: tuple[Device, ...], first_family
                 tree=f"{device.manufacturer.name}/{device.name}_{interface}",
                 own=own.upper(),
                 TREE=tree.upper(),
-                row=view.row.macro.removeprefix(f"{tree.upper()}_"),
+                row=view.code_row.macro.removeprefix(f"{tree.upper()}_"),
                 own_type=own_type,
                 tree_type=tree_type,
             )

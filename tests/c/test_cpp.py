@@ -116,7 +116,7 @@ def _assertions_of_layout(table: Table, view: DeviceView, codec: StructCodec, ra
         for number in random_.sample(list(valid_numbers(table.device, placed, random_)), 2):
             wire = on_the_wire(placed, number)
             frame = f"0x{wire}ULL"
-            if codec.plan.in_bytes:
+            if codec.layout_plan.in_bytes:
                 listed = ", ".join(f"0x{byte:02X}" for byte in bytes.fromhex(wire))
                 frame = f"codewheel::buffer<{len(wire) // 2}>{{{{{listed}}}}}"
             elif codec.word_has_length:

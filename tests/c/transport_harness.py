@@ -250,7 +250,7 @@ def source(view: DeviceView) -> str:
 
 
 def _run(procedure: ProcedureCode) -> str:
-    name = procedure.plan.procedure.name
+    name = procedure.procedure_plan.procedure.name
     types = [argument.type for argument in procedure.arguments]
     argument_list = "".join(f", ({type_})arguments[{index}]" for index, type_ in enumerate(types))
     out = ", &out" if procedure.read_type else ""
@@ -261,7 +261,7 @@ int run_{name}(const cw_transport *transport, const char *code, const uint64_t *
     cw_failure *failure)
 {{
     {f"{procedure.read_type} out;" if out else ""}
-    const cw_result result = {procedure.function}(transport, variant_of(code){argument_list}{out}, failure);
+    const cw_result result = {procedure.function_name}(transport, variant_of(code){argument_list}{out}, failure);
     (void)arguments;
     {"fill(data, result, &out, sizeof out);" if out else "(void)data;"}
     return (int)result;
@@ -298,11 +298,11 @@ int state(const cw_transport *transport, const char *code, uint8_t *data, cw_fai
 
 
 def _register(access: RegisterFunctions) -> str:
-    return (_read(access) if access.read else "") + (_write(access) if access.write else "")
+    return (_read(access) if access.read_function else "") + (_write(access) if access.write_function else "")
 
 
 def _read(access: RegisterFunctions) -> str:
-    name = access.read.partition("_read_")[2]
+    name = access.read_function.partition("_read_")[2]
     declaration = f"{access.type} out;" if access.struct else f"{access.type} out = ({access.type})0xAA;"
     encoding = (
         f"{access.struct}_encode(variant_of(code), &out, &data[1], {access.stem}_LENGTH)"
@@ -314,7 +314,7 @@ int read_{name}(const cw_transport *transport, const char *code, uint8_t *data, 
 int read_{name}(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure)
 {{
     {declaration}
-    const cw_result result = {access.read}(transport, variant_of(code), &out, failure);
+    const cw_result result = {access.read_function}(transport, variant_of(code), &out, failure);
     if (result == CW_OK && {encoding} == CW_OK) {{
         data[0] = {access.stem}_LENGTH;
     }}
@@ -324,7 +324,7 @@ int read_{name}(const cw_transport *transport, const char *code, uint8_t *data, 
 
 
 def _write(access: RegisterFunctions) -> str:
-    name = access.write.partition("_write_")[2]
+    name = access.write_function.partition("_write_")[2]
     declaration = f"{access.type} in;" if access.struct else f"const {access.type} in = ({access.type})bytes[0];"
     decoding = (
         f"{access.struct}_decode(variant_of(code), bytes, {access.stem}_LENGTH, &in)" if access.struct else "CW_OK"
@@ -339,7 +339,7 @@ int write_{name}(const cw_transport *transport, const char *code, const uint8_t 
     (void)data;
     return {decoding} != CW_OK
         ? -1
-        : (int){access.write}(transport, variant_of(code), {"&in" if access.struct else "in"}, failure);
+        : (int){access.write_function}(transport, variant_of(code), {"&in" if access.struct else "in"}, failure);
 }}
 """
 

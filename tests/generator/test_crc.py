@@ -75,7 +75,7 @@ def test_fold_plan_is_long_division(width: int, poly: int, bits: int) -> None:
         value = number
         for step in plan:
             high = value >> step.shift
-            value = value & step.mask ^ high ^ (high << step.back if step.back else 0)
+            value = value & step.mask ^ high ^ (high << step.second_shift if step.second_shift else 0)
         assert value == remainder
 
 
@@ -84,7 +84,7 @@ def test_the_plan_for_46_bits_has_four_steps() -> None:
 
     Always using the largest power would fold 26 bits at 24 again, which leaves 24 of them, and take six steps in all.
     """
-    assert [(step.shift, step.back) for step in fold_plan(6, 0x03, 46)] == [(24, 4), (12, 2), (6, 1), (6, 1)]
+    assert [(step.shift, step.second_shift) for step in fold_plan(6, 0x03, 46)] == [(24, 4), (12, 2), (6, 1), (6, 1)]
 
 
 @pytest.mark.parametrize(("width", "poly"), [(6, 0x03), (4, 0x03), (5, 0x05), (8, 0x01), (9, 0x11)])

@@ -34,7 +34,7 @@ def test_the_verdict_of_the_warning_bit(devices: Mapping[str, Device]) -> None:
     layout = next(layout for layout in device.interface("biss").layouts if layout.name == "single_cycle_data")
     assert layout.field("error").kind.makes_position is Verdict.NOT_USABLE
     assert layout.field("warning").kind.makes_position is Verdict.UNKNOWN
-    assert verdict_rules_of(layout_plan_of(device, layout)).otherwise is Verdict.UNKNOWN
+    assert verdict_rules_of(layout_plan_of(device, layout)).default_verdict is Verdict.UNKNOWN
     sentences = " ".join(PLAIN_STYLE.sentence(statement) for statement in said_of(device, layout.field("warning")))
     assert "with the verdict unknown" in sentences
     assert "with a warning" not in sentences

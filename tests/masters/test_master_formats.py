@@ -349,7 +349,7 @@ def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict
 
 def _read_back(name: str, text: str, settings_sheet: SettingsSheet, device_name: str, rule: Raw) -> None:
     """Read a file with the reader of its format, and compare each value with the page of the master."""
-    entries = content_of_file(settings_sheet, rule, device_name).entries
+    entries = content_of_file(settings_sheet, rule, device_name).file_values
     value_by_setting = {setting.name: setting.value for setting in settings_sheet.settings}
     for entry in entries:
         assert entry.value == value_by_setting.get(entry.name, entry.value)

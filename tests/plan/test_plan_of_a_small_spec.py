@@ -200,7 +200,7 @@ def test_parameter_in_a_register(small: Device) -> None:
     (register,) = held_parameters(small)
     (held,) = register.parameters
     assert (register.register.name, held.parameter.name, held.field.name) == ("level", "zero_bits", "zeros")
-    assert (held.low, held.high, held.highest_value, held.meaning) == (1, 5, 5, UnsignedNumber())
+    assert (held.lowest_valid, held.highest_valid, held.highest_value, held.meaning) == (1, 5, 5, UnsignedNumber())
 
 
 # -- frames
@@ -209,7 +209,7 @@ def test_parameter_in_a_register(small: Device) -> None:
 def test_sizes_of_received_frames(small: Device, by_hand: Device) -> None:
     """45 bits are around a BiSS frame, two around an SSI word. Zeros take up to 5 bits, and 5 by default."""
     sizes = [
-        (size.variant.code, size.layout.name, size.bits, size.bytes)
+        (size.variant.code, size.layout.name, size.frame_bits, size.buffer_bytes)
         for size in received_sizes(small, small.interfaces[0])
     ]
     assert sizes == [
@@ -221,7 +221,7 @@ def test_sizes_of_received_frames(small: Device, by_hand: Device) -> None:
     moving = {size.layout.name: size.depends_on_registers for size in received_sizes(small, small.interfaces[0])}
     assert moving == {"word": False, "padded_word": True}
     words = {
-        size.layout.name: (size.bits, size.bytes)
+        size.layout.name: (size.frame_bits, size.buffer_bytes)
         for size in received_sizes(by_hand, by_hand.interface("ssi"))
         if size.variant.code == "HABG"
     }
@@ -289,7 +289,7 @@ def test_crcs_of_frames(small: Device, by_hand: Device) -> None:
     whole, other = plan(small, "word").crc_of_all_order_codes, plan(small, "padded_word").crc_of_all_order_codes
     assert whole is not None
     assert other is not None
-    assert whole.covered.value({"position_bits": 12}) == 12 + 2
+    assert whole.covered_width.value({"position_bits": 12}) == 12 + 2
     assert (whole.lowest_covered_bit, whole.covers_part_only) == (6, False)
     assert (whole.bits_between, whole.inverted_mask) == (0, 0x3F)
     # The start value 55h makes the remainder of a valid frame depend on its length.
@@ -297,11 +297,16 @@ def test_crcs_of_frames(small: Device, by_hand: Device) -> None:
     part = plan(by_hand, "part_word").crc_of_all_order_codes
     assert part is not None
     # Three bits are between the 8 covered bits and the CRC of 4 bits.
-    assert (part.covered.constant, part.lowest_covered_bit, part.bits_between, part.covers_part_only) == (8, 7, 3, True)
+    assert (part.covered_width.constant, part.lowest_covered_bit, part.bits_between, part.covers_part_only) == (
+        8,
+        7,
+        3,
+        True,
+    )
     assert (part.is_checked_by_division, part.steps) == (False, ())
     crc = plan(by_hand, "crc_word").crc_of_all_order_codes
     assert crc is not None
-    assert (crc.covered.constant, crc.lowest_covered_bit, crc.bits_between) == (8, 4, 0)
+    assert (crc.covered_width.constant, crc.lowest_covered_bit, crc.bits_between) == (8, 4, 0)
     assert (crc.covers_part_only, crc.is_checked_by_division) == (False, False)
     assert plan(by_hand, "text_word").crc_of_all_order_codes is None
 
@@ -349,8 +354,8 @@ def test_places_of_bits(by_hand: Device) -> None:
     assert [part.bits.bit_slices for part in reply.decoded_fields] == [
         (BitSlice(1, 0, 0xFF, 0), BitSlice(2, 0, 0xFF, 8))
     ]
-    assert [part.shared for part in plan(by_hand, "parity_word").decoded_fields] == [True, True]
-    assert [part.shared for part in plan(by_hand, "gray_word").decoded_fields] == [True, True, False]
+    assert [part.is_shared for part in plan(by_hand, "parity_word").decoded_fields] == [True, True]
+    assert [part.is_shared for part in plan(by_hand, "gray_word").decoded_fields] == [True, True, False]
 
 
 def test_reserved_bits(by_hand: Device) -> None:

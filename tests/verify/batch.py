@@ -70,7 +70,7 @@ class Codec:
     @property
     def encoded_bytes(self) -> int:
         """Bytes of an encoded word or frame in an answer."""
-        return 8 if not self.view.plan.in_bytes else self.view.plan.length
+        return 8 if not self.view.layout_plan.in_bytes else self.view.layout_plan.length
 
     @property
     def answer(self) -> str:
@@ -106,7 +106,7 @@ class Batch:
         choices = [field for field in fields if isinstance(field.kind, Choice)]
         assert all(value.value < 256 for field in choices for value in field.values)
         #: A length, and room for the longest frame and two bytes more.
-        self.record = 1 + max(8, *(codec.view.plan.length + 2 for codec in self.codecs))
+        self.record = 1 + max(8, *(codec.view.layout_plan.length + 2 for codec in self.codecs))
         self._parameters = [parameter.name for parameter in device.set_parameters]
 
     def chunk(self, operation: int, codec: Codec, variant: Variant, records: Sequence[bytes] | bytes) -> bytes:
@@ -165,7 +165,7 @@ class Batch:
                 puts += f"    put(&to[{at}], (uint64_t)out.{member.name}, {size}U);\n"
                 gets += f"    in.{member.name} = {_from_number(member, f'number(&from[{at}], {size}U)', 8 * size)};\n"
             at += size
-        bits = not view.plan.in_bytes
+        bits = not view.layout_plan.in_bytes
         values = {
             "prefix": prefix,
             "name": codec.name,
@@ -177,9 +177,13 @@ class Batch:
             "sent": str(codec.encoded_bytes),
             "decode": answers(view) + (f"{_word(view)}, &out" if bits else "&from[1], from[0], &out"),
             "answers": answers(view),
-            "verdict": f"{view.reports.verdict}(*variant, &out)" if view.reports and view.reports.verdict else "255U",
-            "reports": f"{view.reports.reports}(*variant, &out)" if view.reports and view.reports.reports else "0U",
-            "encode": "&word" if bits else f"to, {view.plan.length}U",
+            "verdict": f"{view.reports.verdict_function}(*variant, &out)"
+            if view.reports and view.reports.verdict_function
+            else "255U",
+            "reports": f"{view.reports.reports_function}(*variant, &out)"
+            if view.reports and view.reports.reports_function
+            else "0U",
+            "encode": "&word" if bits else f"to, {view.layout_plan.length}U",
             "before": f"{view.struct.number_type} word = 0U;" if bits else "",
             "too_high": _refuse_too_high(view),
             "after": "put_word(to, word);" if bits else "",
@@ -198,7 +202,7 @@ def _word(view: StructCodec) -> str:
 def _refuse_too_high(view: StructCodec) -> str:
     """Return C that refuses a number that the type of the word does not hold, because no caller can pass it."""
     size = view.struct.reader.word_size
-    if view.plan.in_bytes or size == 64:
+    if view.layout_plan.in_bytes or size == 64:
         return ""
     return f"if ((word_of(from) >> {size}U) != 0U) {{ to[-1] = (uint8_t)CW_FAULT_LENGTH; return; }}"
 

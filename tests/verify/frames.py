@@ -62,7 +62,7 @@ class Frames:
             yield _sum_of(nothing, self._record(random_.getrandbits(bits)))
 
     def _longer_or_shorter(self) -> bytes:
-        if not self.codec.view.plan.in_bytes:
+        if not self.codec.view.layout_plan.in_bytes:
             excess = self.random.getrandbits(64 - self.placed.bits) << self.placed.bits if self.placed.bits < 64 else 0
             return self.batch.frame(self.placed, excess.to_bytes(8, "big"))
         length = self.random.choice([size for size in range(self.batch.record) if 8 * size != self.placed.bits])
@@ -100,7 +100,7 @@ def chunks(batch: Batch, codec: Codec, total: int, seed: str, size: int = CHUNK)
 def wires(batch: Batch, codec: Codec, records: bytes) -> list[int] | list[bytes]:
     """Return the words or frames in records."""
     size = batch.record
-    if not codec.view.plan.in_bytes:
+    if not codec.view.layout_plan.in_bytes:
         return [int.from_bytes(records[at + 1 : at + 9], "big") for at in range(0, len(records), size)]
     return [records[at + 1 : at + 1 + records[at]] for at in range(0, len(records), size)]
 

@@ -190,7 +190,7 @@ def _shares_length(argument: str, next_argument: str) -> bool:
 def source(batch: Batch, include: Path) -> str:
     """Return the text of the target."""
     header = Header(batch, include)
-    takers = "".join(_take(taker.name, taker.access.stem) for taker in batch.view.take_functions)
+    takers = "".join(_take(taker.name, taker.access.stem) for taker in batch.view.variant_updaters)
     values = {
         "prefix": header.prefix,
         "spelled": "1" if batch.device.order_code.also_written else "0",
@@ -200,7 +200,7 @@ def source(batch: Batch, include: Path) -> str:
         "exact": ", ".join(str(int(is_exact(batch, codec))) for codec in batch.codecs),
         "refuse": ", ".join(str(int(may_be_refused(batch, codec))) for codec in batch.codecs),
         "bools": ", ".join(f'"{_bool_bytes(codec)}"' for codec in batch.codecs),
-        "bits": ", ".join(str(int(not codec.view.plan.in_bytes)) for codec in batch.codecs),
+        "bits": ", ".join(str(int(not codec.view.layout_plan.in_bytes)) for codec in batch.codecs),
     }
     shared = "".join(f'#include "codewheel/{name}.h"\n' for name in SHARED)
     return batch.source(shared + _replaced((HERE / "fuzz.c").read_text(encoding="utf-8"), values))

@@ -153,12 +153,12 @@ class Peer:
         Python also keeps the bits of a register that belong to no field. C writes 0 there. A copy does not keep the
         bytes of a register with limits, so it is checked as in C.
         """
-        value = value._replace(unused=0) if codec.view.plan.keeps_undefined_bits else value._replace()
+        value = value._replace(unused=0) if codec.view.layout_plan.keeps_undefined_bits else value._replace()
         try:
             again = value.encode()
         except self.error as reason:
             return self.errors[type(reason)], bytes(codec.encoded_bytes)
-        return 0, again.to_bytes(8, "big") if not codec.view.plan.in_bytes else again
+        return 0, again.to_bytes(8, "big") if not codec.view.layout_plan.in_bytes else again
 
 
 def label_and_state(variant: Variant) -> tuple[str, dict[str, str]]:

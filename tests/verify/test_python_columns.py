@@ -102,7 +102,7 @@ def test_columns_are_what_c_says(family: str, name: str, programs: Callable[[str
 def frames_in(batch: Batch, codec: Codec, records: bytes) -> Any:
     """Return the frames of records: words as an array, and frames of bytes as a list, because lengths can differ."""
     rows = numpy.frombuffer(records, numpy.uint8).reshape(-1, batch.record)
-    if not codec.view.plan.in_bytes:
+    if not codec.view.layout_plan.in_bytes:
         return rows[:, 1:9].copy().view(">u8")[:, 0]
     data = rows[:, 1:].tobytes()
     wide = batch.record - 1

@@ -185,6 +185,6 @@ def row_of(table: Table, codec: Codec, placed: PlacedLayout, number: int) -> lis
 
 def meaning(table: Table, codec: Codec, placed: PlacedLayout, encoded: bytes) -> list[object]:
     """Return the model's reading of an encoded word or frame."""
-    wire = int.from_bytes(encoded, "big") if not codec.view.plan.in_bytes else encoded
+    wire = int.from_bytes(encoded, "big") if not codec.view.layout_plan.in_bytes else encoded
     result, row = expected_row(table, codec, placed, wire)
     return row if result == 0 else []

@@ -43,7 +43,7 @@ def _active(struct: Struct, causes: Sequence[VerdictCause], scope: Scope) -> Ite
         if not isinstance(cause.cause, Reserved):
             terms = [_selects(condition, scope) for condition in cause.conditions]
             terms += _terms(struct, cause.cause)
-            terms += [f"!self.{snake(part.field.name)}" for part in cause.unless]
+            terms += [f"!self.{snake(part.field.name)}" for part in cause.overriding_flags]
             yield " && ".join(terms)
     mask = reduce(or_, (cause.cause.mask for cause in causes if isinstance(cause.cause, Reserved)), 0)
     if mask:

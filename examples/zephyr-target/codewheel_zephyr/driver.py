@@ -37,7 +37,7 @@ class Driver:
         self.compatible = f"{view.maker.name},{view.stem.replace('_', '-')}".replace("_", "-")
         self.binding = f"{self.compatible.replace(',', '-')}.yaml"
         self.codes = [(row.variant.code, row.macro) for row in view.variants.rows]
-        self.is_read_twice = view.reading.reads_twice
+        self.is_read_twice = view.position_reader.reads_twice
         self.position_type = frame.struct.member_type(frame.position_member)
         self.member = c_name(frame.position_member)
         self.sets_position = frame.position_member in frame.set_names
@@ -47,7 +47,7 @@ class Driver:
         """Number of bytes in the buffer of each order code, over BiSS and SSI as a macro of the header."""
         if self.bus == "spi":
             return [str(_bits(self.frame, row.variant) // 8) for row in self.view.variants.rows]
-        return [self.view.reading.buffer_of(row) for row in self.view.variants.rows]
+        return [self.view.position_reader.buffer_of(row) for row in self.view.variants.rows]
 
     @property
     def request(self) -> StructCodec | None:
@@ -84,8 +84,8 @@ class Driver:
         is_angle = self.device.movement == "rotary" and has_counts and self.position_type.startswith("u")
         sizes = [_bits(self.frame, row.variant) for row in self.view.variants.rows]
         is_whole = self.bus != "spi" or all(size % 8 == 0 for size in sizes)
-        has_one_frame = self.view.channels is None and not self.view.reading.questions
-        return is_angle and is_whole and has_one_frame and not self.frame.plan.in_bytes
+        has_one_frame = self.view.channels is None and not self.view.position_reader.questions
+        return is_angle and is_whole and has_one_frame and not self.frame.layout_plan.in_bytes
 
 
 def _bits(frame: StructCodec, variant: Variant) -> int:
@@ -95,6 +95,6 @@ def _bits(frame: StructCodec, variant: Variant) -> int:
 def drivers_of(device: Device) -> Iterator[Driver]:
     """Yield the interfaces of a family that can have a driver."""
     for view in views_of(device):
-        frame = view.reading.frame
+        frame = view.position_reader.frame
         if frame is not None and view.context.interface.name in BUSES and Driver(view, frame).is_supported:
             yield Driver(view, frame)

@@ -44,8 +44,8 @@ class _OneFile(etree.Resolver):
         super().__init__()
         self.path = path
         self.text = text
-        self.refused = ""
-        self.answered = False
+        self.rejected_address = ""
+        self.has_sent_dtd = False
 
     def resolve(self, *request: Any, **_: Any) -> Any:
         """Return the DTD for the first request, which comes from our DOCTYPE, and an empty text for any other request.
@@ -55,11 +55,11 @@ class _OneFile(etree.Resolver):
         """
         address, public_id, context = request
         supply: Any = self.resolve_string
-        if not self.answered:
-            self.answered = True
+        if not self.has_sent_dtd:
+            self.has_sent_dtd = True
             return supply(self.text, context, base_url=self.path)
         # The message names the first rejected file.
-        self.refused = self.refused or address or public_id or "another file"
+        self.rejected_address = self.rejected_address or address or public_id or "another file"
         return supply(b"", context)
 
 
@@ -101,10 +101,10 @@ def validation_errors(document: str, name: str, dtd: bytes, dtd_name: str) -> li
         etree.fromstring(document.encode("ascii"), parser, base_url=name)
     except etree.XMLSyntaxError as error:
         syntax_error = str(error.msg)
-    if resolver.refused:
+    if resolver.rejected_address:
         raise DtdError(
-            f"{dtd_name}: refers to {resolver.refused}. Other files and the network are not read. Put everything"
-            " into one file"
+            f"{dtd_name}: refers to {resolver.rejected_address}. Other files and the network are not read. "
+            "Put everything into one file"
         )
     located_messages = []
     for logged in parser.error_log:

@@ -184,7 +184,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
     layout_plan = layout_plan_of(device, layout)
     description = describe(layout_plan, reporting)
     causes = reporting.causes if reporting is not None else ()
-    reports = []
+    reports: list[Data] = []
     for described_cause, cause in zip(description.report_causes, causes, strict=True):
         reports.append(_report_data(device, described_cause, cause))
     # The reports have the order of the fields in the frame. Reports about several fields with a verdict come last.
@@ -278,7 +278,7 @@ def _layout_data(device: Device, layout_plan: LayoutPlan, description: Descripti
         states=[[*map(dict, states)] for states in states_of_widths(device, layout_plan.layout)],
         crcs=optional_crcs,
         # If the CRC covers only a part of the frame: the lowest bit, and the number of bits.
-        crc_of=[crc.lowest_covered_bit, crc.covered.constant] if crc is not None and crc.covers_part_only else [],
+        crc_of=[crc.lowest_covered_bit, crc.covered_width.constant] if crc is not None and crc.covers_part_only else [],
         asks=[alternative.name for alternative in layout_plan.alternatives],
         offers=[alternative.name for alternative in device.verdict_alternatives(layout_plan.layout)],
         held=_parameters_in_registers(device, layout_plan.layout, layout_plan),
@@ -306,7 +306,7 @@ def _field_data(layout_plan: LayoutPlan, description: Description) -> Iterator[D
 
     Users do not provide constants, parity bits and CRCs.
     """
-    encoded_values = {term.field.name: term.value for term in layout_plan.encoded_fields}
+    encoded_values = {encoded_field.name: encoded_field.value for encoded_field in layout_plan.encoded_fields}
     for column, field in zip(description.columns, layout_plan.layout.fields, strict=True):
         when_active, when_inactive = flag_state_meanings(field)
         # The condition on the order code under which the manual explains the field.
@@ -439,6 +439,6 @@ def _limits_data(register_meaning: RegisterMeaning | None, limits: NumberLimits)
         meaning=register_meaning.meaning if register_meaning is not None else "",
         of=limits.member,
     )
-    data["low"] = optional_expression_data(limits.low)
-    data["high"] = optional_expression_data(limits.high)
+    data["low"] = optional_expression_data(limits.lowest)
+    data["high"] = optional_expression_data(limits.highest)
     return data

@@ -228,7 +228,7 @@ def _describe_in_table(struct: LayoutStruct, field: Field) -> str:
     The text gives the width if the place of the field depends on the order code. Facts follow for fields without a
     member in the struct, which are constants and the field that tells frames apart (the selector).
     """
-    has_member = field.carries_data and field is not struct.plan.selector
+    has_member = field.carries_data and field is not struct.layout_plan.selector
     facts = () if has_member else say_register.describe_field(struct.device, field)
     if field.is_fixed:
         return HEADER_STYLE.paragraph(facts)
@@ -242,7 +242,7 @@ def _table_rows(struct: LayoutStruct) -> Iterator[tuple[str, str, str]]:
     A frame that is decoded byte by byte has no row for the bits that pad a field.
     """
     for field in struct.layout.fields:
-        if struct.plan.by_word or not field.padding_of:
+        if struct.layout_plan.by_word or not field.padding_of:
             name = "-" if field.fills_gap else field.name
             yield place_of_field(struct.layout, field), name, _describe_in_table(struct, field)
 
@@ -315,18 +315,18 @@ def about_argument(device: Device, argument: Argument) -> str:
     return HEADER_STYLE.sentence(say_commands.describe_argument(device, argument))
 
 
-def about_run(device: Device, run: ProcedurePlan, read_state: str) -> Iterator[Paragraph]:
+def about_run(device: Device, procedure_plan: ProcedurePlan, read_state: str) -> Iterator[Paragraph]:
     """Yield the comment on the function that carries out a procedure.
 
     It lists the functions that the user's transport must provide. If the procedure changes what frames look like, it
     says to call ``read_state`` afterwards, which updates the variant. ``read_state`` is empty if there is no such
     function.
     """
-    *first_functions, last_function = (CALLS[call] for call in run.calls)
+    *first_functions, last_function = (CALLS[call] for call in procedure_plan.calls)
     functions = f"{', '.join(first_functions)} and {last_function}" if first_functions else last_function
-    interface = device.interface(run.procedure.interface)
+    interface = device.interface(procedure_plan.procedure.interface)
     yield f"The procedure uses {interface.title}. The transport needs {functions}."
-    if read_state and run.changes_frames:
+    if read_state and procedure_plan.changes_frames:
         yield f"The frames depend on the bytes written, so call {read_state}() afterwards to update the variant."
 
 

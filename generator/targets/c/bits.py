@@ -20,7 +20,7 @@ from .expressions import (
     CName,
     CNumber,
     COperation,
-    ParameterSpelling,
+    ExpressionTranslator,
     join_operands,
     masked,
     masked_byte,
@@ -80,8 +80,8 @@ def _with_constant(earlier: ConstantByte, bit_slice: BitSlice, constant: int, na
 class BitReader:
     """Expressions that extract the fields of a layout: from the word if there is one, otherwise from the bytes."""
 
-    plan: LayoutPlan
-    spelling: ParameterSpelling
+    layout_plan: LayoutPlan
+    translator: ExpressionTranslator
     #: Number of bits in the type of the word that a decoder takes.
     word_size: int = 64
     #: Whether the bits are those of the word as sent, rather than those after the conversion of Gray code.
@@ -93,17 +93,17 @@ class BitReader:
 
         The runtime converts Gray code and digits, and masks fields whose width depends on the order code, in 64 bits.
         """
-        needs_64_bits = self.word_size > 32 or self.plan.is_converted or self.plan.depends_on_order_code
+        needs_64_bits = self.word_size > 32 or self.layout_plan.is_converted or self.layout_plan.depends_on_order_code
         return "uint64_t" if needs_64_bits else "uint32_t"
 
     @property
     def word(self) -> CExpression:
         """The word, with any Gray code and digits in it converted unless the reader is for the bits ``as_sent``."""
-        return CName("plain" if self.plan.is_converted and not self.as_sent else "word")
+        return CName("plain" if self.layout_plan.is_converted and not self.as_sent else "word")
 
     def type_and_bits(self, bits: FieldBits) -> tuple[str, CExpression]:
         """Return the type and the bits of a field, such as ``uint16_t`` and ``(uint16_t)(word >> 6)``."""
-        if not self.plan.by_word:
+        if not self.layout_plan.by_word:
             return type_and_bits_in(bits.bit_slices)
         type_ = unsigned(bits.widest)
         if bits.are_fixed and bits.width.constant == 64:
@@ -127,33 +127,33 @@ class BitReader:
             mask = (1 << width) - 1
             return masked(shifted_right(self.word_or_lower_half(low + width), low), mask)
         if not bits.has_no_bits_above:
-            low_and_width = (self.spelling.expression_of(bits.low), self.spelling.expression_of(bits.width))
+            low_and_width = (self.translator.to_c(bits.low), self.translator.to_c(bits.width))
             return CCall("cw_field", (self.word, *low_and_width))
         # No bits are above it: the length has been checked.
         if bits.low.is_constant:
             return shifted_right(self.word_or_lower_half(self.word_size), bits.low.constant)
-        return CCall("cw_above", (self.word, self.spelling.expression_of(bits.low)))
+        return CCall("cw_above", (self.word, self.translator.to_c(bits.low)))
 
     def flag_bit(self, bits: FieldBits) -> CExpression:
         """Return the bit of a flag at its position: ``word & 0x80U``, or in a frame of bytes ``flags & 0x80U``.
 
         ``flags`` is the local for the byte. A flag at a place that depends on the order code is shifted to bit 0.
         """
-        if not self.plan.by_word:
+        if not self.layout_plan.by_word:
             (bit_slice,) = bits.bit_slices
             return masked(CName("flags"), bit_slice.mask << bit_slice.low_in_byte)
         if not bits.are_fixed:
             return self.bits_in_word(bits)
         return masked(self.word_or_lower_half(bits.low.constant + 1), 1 << bits.low.constant)
 
-    def word_or_lower_half(self, high: int) -> CExpression:
-        """Return the word, or its lower half ``(uint32_t)word`` if the bits below ``high`` are enough.
+    def word_or_lower_half(self, bits_needed: int) -> CExpression:
+        """Return the word, or its lower half ``(uint32_t)word`` if only its lowest ``bits_needed`` bits are needed.
 
         Operations in 32 bits are faster on small processors. A word that has only 32 bits needs no cast.
         """
         # A word is converted in 64 bits.
-        has_32_bits = self.word_size == 32 and not self.plan.is_converted
-        is_lower_half_enough = high <= 32
+        has_32_bits = self.word_size == 32 and not self.layout_plan.is_converted
+        is_lower_half_enough = bits_needed <= 32
         return CCast("uint32_t", self.word) if is_lower_half_enough and not has_32_bits else self.word
 
     def number_of_join(self, joined_number: JoinedNumber, name_of: Callable[[Field], CExpression]) -> CExpression:
@@ -179,7 +179,7 @@ class BitReader:
         is_promoted = is_short and len(lower_fields) > 1
         number: CExpression = CCast("uint32_t" if is_promoted else type_, name_of(highest_field))
         for field in lower_fields:
-            shifted_number = shifted_left(number, self.spelling.expression_of(field.width))
+            shifted_number = shifted_left(number, self.translator.to_c(field.width))
             number = COperation("|", (shifted_number, name_of(field)))
         return CCast(type_, number) if is_short and lower_fields else number
 
@@ -190,7 +190,7 @@ class BitReader:
 
     def bits_as_sent(self, field: Field) -> CExpression:
         """Return the bits of a field before any Gray code in the word is converted."""
-        _, bits = self.before_conversion.type_and_bits(self.plan.bits_of(field.name))
+        _, bits = self.before_conversion.type_and_bits(self.layout_plan.bits_of(field.name))
         return bits
 
     def parity_as_sent(self, fields: Sequence[Field], mask: int) -> CExpression:
@@ -198,9 +198,9 @@ class BitReader:
 
         At fixed places, one mask selects all their bits: ``cw_parity((uint32_t)word & 0x1FFEU)``.
         """
-        places = [self.plan.bits_of(field.name) for field in fields]
-        if not mask and all(bits.are_fixed for bits in places):
-            mask_in_word = sum(((1 << bits.width.constant) - 1) << bits.low.constant for bits in places)
+        bits_of_fields = [self.layout_plan.bits_of(field.name) for field in fields]
+        if not mask and all(bits.are_fixed for bits in bits_of_fields):
+            mask_in_word = sum(((1 << bits.width.constant) - 1) << bits.low.constant for bits in bits_of_fields)
             sent_word = self.before_conversion.word_or_lower_half(mask_in_word.bit_length())
             return self.parity([(masked(sent_word, mask_in_word), mask_in_word.bit_length())], 0)
         return self.parity([(self.bits_as_sent(field), field.widest) for field in fields], mask)
@@ -243,16 +243,16 @@ class UnusedMember:
 
     def __init__(self, reader: BitReader) -> None:
         self.reader = reader
-        self.plan = reader.plan
-        self.width = self.plan.layout.unused_width
-        are_fixed = all(reserved.bits.are_fixed for reserved in self.plan.reserved)
+        self.layout_plan = reader.layout_plan
+        self.width = self.layout_plan.layout.unused_width
+        are_fixed = all(reserved.bits.are_fixed for reserved in self.layout_plan.reserved)
         #: The unused fields that are extracted one by one, because the place of some field depends on the order code.
-        self.separate_fields = () if are_fixed else self.plan.reserved
+        self.separate_fields = () if are_fixed else self.layout_plan.reserved
         #: Otherwise, all unused bits, in groups that one shift moves from the frame to the member.
-        self.bit_groups = group_reserved_bits_by_shift(self.plan) if are_fixed else ()
+        self.bit_groups = group_reserved_bits_by_shift(self.layout_plan) if are_fixed else ()
 
     def __bool__(self) -> bool:
-        return bool(self.plan.reserved)
+        return bool(self.layout_plan.reserved)
 
     @property
     def type(self) -> str:
@@ -267,7 +267,7 @@ class UnusedMember:
     # -- decoding
 
     @property
-    def member(self) -> CExpression:
+    def decoded_value(self) -> CExpression:
         """The value that a decoder stores in the member: a 1 in each unused bit that differs from the manual.
 
         The bits come from the word, or from bytes if the fields are extracted one by one.
@@ -332,7 +332,7 @@ class UnusedMember:
         there are none. If the width of unused fields depends on the order code, the condition is
         ``(in->unused & mask) != in->unused``.
         """
-        fixed_mask = sum(reserved.mask for reserved in self.plan.reserved if reserved.bits.width.is_constant)
+        fixed_mask = sum(reserved.mask for reserved in self.layout_plan.reserved if reserved.bits.width.is_constant)
         varying_fields = [reserved for reserved in self.separate_fields if not reserved.bits.width.is_constant]
         if not varying_fields:
             all_bits_of_type = (1 << size_of(self.width)) - 1
@@ -342,7 +342,7 @@ class UnusedMember:
             return COperation("!=", (masked(_UNUSED_MEMBER, other_bits), CNumber(0)))
         masks: list[CExpression] = []
         for reserved in varying_fields:
-            mask_of_width = self.reader.spelling.mask(reserved.bits.width)
+            mask_of_width = self.reader.translator.mask(reserved.bits.width)
             masks.append(shifted_left(mask_of_width, reserved.lowest_bit_in_unused))
         if fixed_mask:
             masks.append(CNumber(fixed_mask, hexadecimal=True))
@@ -367,7 +367,7 @@ class UnusedMember:
             else:
                 bits = self._bits_to_send(reserved)
             low = reserved.bits.low
-            distance = low.constant if low.is_constant else self.reader.spelling.expression_of(low)
+            distance = low.constant if low.is_constant else self.reader.translator.to_c(low)
             yield shifted_left(CCast(self.reader.encoded_type, bits), distance)
 
     @property
@@ -394,7 +394,7 @@ class UnusedMember:
 
     def bits_of(self, field: Field) -> CExpression:
         """Return the bits to send for one unused field, shifted to bit 0."""
-        reserved_fields = (reserved for reserved in self.plan.reserved if reserved.field is field)
+        reserved_fields = (reserved for reserved in self.layout_plan.reserved if reserved.field is field)
         return self._bits_to_send(first_or_raise(reserved_fields, f"unused field '{field.name}'"))
 
     def _bits_to_send(self, reserved: Reserved) -> CExpression:
@@ -416,7 +416,7 @@ class UnusedMember:
         width = reserved.bits.width
         if value is None or width.is_constant:
             return value
-        return COperation("&", (value, self.reader.spelling.mask(width)))
+        return COperation("&", (value, self.reader.translator.mask(width)))
 
 
 def _express_documented_value(value: int) -> CExpression | None:

@@ -84,12 +84,12 @@ class ClockLimitFunction:
     """Function that returns the clock limit for a cable length."""
 
     name: str
-    rows: tuple[CableLength, ...]
+    cable_rows: tuple[CableLength, ...]
 
     @property
     def source(self) -> str:
         """The source of the clocks by cable length."""
-        return cite(tuple(dict.fromkeys(chain.from_iterable(row.source for row in self.rows))))
+        return cite(tuple(dict.fromkeys(chain.from_iterable(row.source for row in self.cable_rows))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,7 +188,7 @@ class CodeFacts:
         If no earlier order code has it, a function named after the order code of ``row`` is added to ``clock_limits``.
         """
         for function in self.clock_limits:
-            if function.rows == cable_rows:
+            if function.cable_rows == cable_rows:
                 return function
         new_function = ClockLimitFunction(self._function_name("clock_limit_hz", row), cable_rows)
         self.clock_limits.append(new_function)

@@ -37,16 +37,19 @@ class StructCodec:
         family_reports: Reports | None = None,
     ) -> None:
         self.struct = struct
-        self.plan = struct.plan
-        self.spelling = struct.spelling
+        self.layout_plan = struct.layout_plan
+        self.translator = struct.translator
         self.name = struct.name
         self.type = struct.type
         self.length_macro = struct.length_macro
         self.about = tuple(about)
         self.decoder = CDecoder(struct)
         self.encoder = CEncoder(struct, limit_checks)
-        alternatives = struct.context.alternatives
-        self.alternatives = tuple(code for code in alternatives if code.alternative in self.plan.alternatives)
+        questions_of_layout = self.layout_plan.alternatives
+        #: The open questions on which the layout depends.
+        self.alternatives = tuple(
+            question for question in struct.context.alternatives if question.spec_question in questions_of_layout
+        )
         #: Whether a program that reads an encoder decodes the struct, and encodes it. A simulator does the opposite.
         self.decodes = struct.register is not None or struct.layout.sender == "encoder"
         self.encodes = struct.register is not None or not self.decodes
@@ -65,7 +68,7 @@ class StructCodec:
         yield self.type
         yield f"{self.name}_decode"
         yield f"{self.name}_encode"
-        if not self.plan.in_bytes:
+        if not self.layout_plan.in_bytes:
             yield f"{self.name}_bits"
         elif self.about:
             # A register declares this macro by itself.
@@ -96,7 +99,7 @@ class StructCodec:
         """
         context = self.struct.context
         layout = self.struct.layout
-        has_verdict = self.reports is not None and bool(self.reports.verdict)
+        has_verdict = self.reports is not None and bool(self.reports.verdict_function)
         if layout.sender != "encoder" or not has_verdict:
             return ""
         position_name = context.device.position_name(context.interface.name)
@@ -112,9 +115,9 @@ class StructCodec:
             return ""
         match self.struct.context.interface:
             case Biss() | Ssi() as interface:
-                ending = "_frame" if self.plan.in_bytes else ""
+                ending = "_frame" if self.layout_plan.in_bytes else ""
                 return f"cw_{interface.name}_receive{ending}"
-            case Spi() if not self.plan.in_bytes:
+            case Spi() if not self.layout_plan.in_bytes:
                 return "cw_spi_load"
             case _:
                 return ""
@@ -122,7 +125,7 @@ class StructCodec:
     @property
     def is_received(self) -> bool:
         """True if a function extracts the word of the frame from a buffer."""
-        return bool(self.receiver) and not self.plan.in_bytes
+        return bool(self.receiver) and not self.layout_plan.in_bytes
 
     @property
     def is_read(self) -> bool:
@@ -139,12 +142,12 @@ class StructCodec:
     @property
     def length_alternatives(self) -> tuple[AlternativeCode, ...]:
         """The alternatives on whose answers the length of the frame depends."""
-        return self.alternatives_for(self.plan.layout.bits)
+        return self.alternatives_for(self.layout_plan.layout.bits)
 
     @property
     def word_has_length(self) -> bool:
         """True if the decoder takes a word with its length, because the length of the frame varies."""
-        return self.is_received and not self.plan.layout.bits.is_constant
+        return self.is_received and not self.layout_plan.layout.bits.is_constant
 
     @property
     def word_type(self) -> str:
@@ -161,7 +164,7 @@ class StructCodec:
     @property
     def word_may_be_longer(self) -> bool:
         """True if a word can have bits above the frame, because its type is wider than a frame of some order code."""
-        bits = self.plan.layout.bits
+        bits = self.layout_plan.layout.bits
         always_fills_word = bits.is_constant and bits.constant == self.struct.reader.word_size
         return not always_fills_word
 
@@ -171,7 +174,7 @@ class StructCodec:
 
         Only frames have their own comment (``about``), so without one it is a register.
         """
-        if self.plan.length < 2:
+        if self.layout_plan.length < 2:
             return ""
         if not self.about:
             return ", lowest address first"
@@ -193,27 +196,29 @@ class StructCodec:
 
         They are numbers joined from several fields, and numbers whose decimal digits are members, too.
         """
-        join_names = (joined_number.join.name for joined_number in self.plan.joined_numbers)
-        decimal_names = (part.field.name for part in self.plan.decoded_fields if part.field.runs)
+        join_names = (joined_number.join.name for joined_number in self.layout_plan.joined_numbers)
+        fields = [decoded_field.field for decoded_field in self.layout_plan.decoded_fields]
+        decimal_names = [field.name for field in fields if field.runs]
         return (*join_names, *decimal_names)
 
     @cached_property
     def word_crc(self) -> WordCrc | None:
         """The function that computes the CRC of a whole word, or None if the layout has no such CRC."""
-        crc = self.plan.crc_of_all_order_codes
-        bits = self.plan.layout.widest
-        if crc is None or not crc.is_checked_by_division:
+        frame_crc = self.layout_plan.crc_of_all_order_codes
+        word_bits = self.layout_plan.layout.widest
+        if frame_crc is None or not frame_crc.is_checked_by_division:
             return None
-        is_wider_than_shift_register = crc.crc.width > 32
+        crc = frame_crc.crc
+        is_wider_than_shift_register = crc.width > 32
         if is_wider_than_shift_register:
             return None
-        fold_steps = tuple(fold_operations(crc.steps, bits, source="word")) if crc.steps else ()
-        about = about_word_crc(self.struct.device, crc.crc, is_folded=bool(fold_steps))
+        fold_steps = tuple(fold_operations(frame_crc.steps, word_bits, source="word")) if frame_crc.steps else ()
+        about = about_word_crc(self.struct.device, crc, is_folded=bool(fold_steps))
         return WordCrc(
             name=f"{self.name}_crc",
-            general_function=self.struct.crc_function(crc),
-            crc=crc.crc,
-            bits=bits,
+            general_function=self.struct.crc_function(frame_crc),
+            crc=crc,
+            word_bits=word_bits,
             folds=fold_steps,
             about=tuple(about),
         )
@@ -224,18 +229,18 @@ class StructCodec:
 
         Empty for a word, and for a CRC over whole bytes.
         """
-        if not self.plan.in_bytes or self.plan.layout.crc_covers_bytes:
+        if not self.layout_plan.in_bytes or self.layout_plan.layout.crc_covers_bytes:
             return {}
-        return {crc.field.name: self._bits_crc(crc) for crc in self.plan.crcs}
+        return {crc.field.name: self._bits_crc(crc) for crc in self.layout_plan.crcs}
 
-    def _bits_crc(self, crc: FrameCrc) -> BitsCrc:
+    def _bits_crc(self, frame_crc: FrameCrc) -> BitsCrc:
         """Return the function of one CRC. Its name contains the field if only some order codes have the CRC."""
         return BitsCrc(
-            name=f"{self.name}_{crc.field.name}_crc" if crc.is_optional else f"{self.name}_crc",
-            crc=crc.crc,
-            covered_width=crc.covered.constant,
-            type=unsigned(crc.crc.width),
-            about=tuple(about_bits_crc(self.struct.device, crc.crc)),
+            name=f"{self.name}_{frame_crc.field.name}_crc" if frame_crc.is_optional else f"{self.name}_crc",
+            crc=frame_crc.crc,
+            covered_width=frame_crc.covered_width.constant,
+            type=unsigned(frame_crc.crc.width),
+            about=tuple(about_bits_crc(self.struct.device, frame_crc.crc)),
         )
 
     def alternatives_for(self, *expressions: Expression) -> tuple[AlternativeCode, ...]:
@@ -245,8 +250,8 @@ class StructCodec:
     @property
     def decoder_uses_variant(self) -> bool:
         """True if the decoder uses the variant, because places or lengths depend on the order code."""
-        checks_length = not self.plan.in_bytes and self.word_may_be_longer
-        return self.plan.depends_on_order_code or checks_length
+        checks_length = not self.layout_plan.in_bytes and self.word_may_be_longer
+        return self.layout_plan.depends_on_order_code or checks_length
 
     @property
     def encoder_uses_variant(self) -> bool:
@@ -254,27 +259,28 @@ class StructCodec:
 
         A layout that depends only on the user's answer to an open question does not use the variant.
         """
-        depends_only_on_answers = bool(self.alternatives) and not self.plan.depends_on_order_code
+        depends_only_on_answers = bool(self.alternatives) and not self.layout_plan.depends_on_order_code
         if depends_only_on_answers:
             return False
-        gray = self.plan.gray
+        gray = self.layout_plan.gray
         gray_depends = gray is not None and gray.depends_on_order_code
-        fields_depend = any(term.depends_on_order_code for term in self.plan.encoded_fields)
+        fields_depend = any(encoded_field.depends_on_order_code for encoded_field in self.layout_plan.encoded_fields)
         limits_depend = any(depends_on_order_code(refusal) for refusal in self.encoder.refusals)
-        crcs_depend = any(map(self._crc_depends, self.plan.crcs))
+        crcs_depend = any(map(self._crc_depends, self.layout_plan.crcs))
         return gray_depends or fields_depend or self.struct.unused.depends_on_order_code or limits_depend or crcs_depend
 
     def _crc_depends(self, crc: FrameCrc) -> bool:
         """Return True if the order code decides whether the frame has the CRC, or how many bits the CRC covers."""
-        passes_length = not self.plan.in_bytes and self.word_crc is None
-        return crc.is_optional or (passes_length and not crc.covered.is_constant)
+        passes_length = not self.layout_plan.in_bytes and self.word_crc is None
+        return crc.is_optional or (passes_length and not crc.covered_width.is_constant)
 
     # -- values of fields that the manual states
 
     @property
     def expected_fields(self) -> tuple[Field, ...]:
         """The fields for which the manual states a value, such as a device ID."""
-        return tuple(part.field for part in self.plan.decoded_fields if part.field.equals is not None)
+        fields = [decoded_field.field for decoded_field in self.layout_plan.decoded_fields]
+        return tuple(field for field in fields if field.equals is not None)
 
     @property
     def can_differ_from_manual(self) -> bool:
@@ -328,7 +334,7 @@ class StructCodec:
                 for index in range(len(characters)):
                     yield COperation("==", (CName(f"{member}[{index}]"), CName(f"{macro}[{index}]")))
             case Expression() as equals if not equals.is_constant:
-                yield COperation("==", (CName(member), self.spelling.expression_of(equals)))
+                yield COperation("==", (CName(member), self.translator.to_c(equals)))
             case _:
                 yield COperation("==", (CName(member), CName(macro)))
 
@@ -354,7 +360,7 @@ def _type_of_covered_bits(function: CrcFunction, users: Sequence[StructCodec]) -
     """Return the type of the bits that a CRC covers: ``uint32_t`` if 32 bits are enough for all frames."""
     crcs: list[FrameCrc] = []
     for codec in users:
-        crcs += [frame_crc for frame_crc in codec.plan.crcs if frame_crc.crc == function.crc]
+        crcs += [frame_crc for frame_crc in codec.layout_plan.crcs if frame_crc.crc == function.crc]
     return "uint32_t" if all(map(covers_32_bits, crcs)) else "uint64_t"
 
 
@@ -363,7 +369,7 @@ def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
 
     A frame of bits that arrives in bytes has a CRC function of its own (``bits_crcs``).
     """
-    has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
+    has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.layout_plan.crcs)
     has_own_function = bool(codec.bits_crcs)
     return has_crc and not has_own_function and covered_data_of(codec.struct.layout) is function.covered_data
 

@@ -219,19 +219,19 @@ def break_lines(text: str) -> str:
     Comments and initializers stay unchanged. Of a macro, only its last line is broken, with a backslash at each break.
     """
     lines: list[str] = []
-    in_comment = False
-    in_macro = False
+    is_in_comment = False
+    is_in_macro = False
     for line in text.splitlines():
-        in_comment = in_comment or line.lstrip().startswith("/*")
+        is_in_comment = is_in_comment or line.lstrip().startswith("/*")
         # Initializers end in "};", and the lines of a macro in a backslash.
-        if in_comment or len(line) <= COLUMNS or line.endswith(("};", "\\")):
+        if is_in_comment or len(line) <= COLUMNS or line.endswith(("};", "\\")):
             lines.append(line)
         else:
             continues_previous = bool(lines) and lines[-1].endswith(_CONTINUED_LINE)
-            separator = " \\\n" if in_macro else "\n"
+            separator = " \\\n" if is_in_macro else "\n"
             lines.append(separator.join(_broken_lines(line, continues_previous=continues_previous)))
-        in_comment = in_comment and not line.endswith("*/")
-        in_macro = line.endswith("\\")
+        is_in_comment = is_in_comment and not line.endswith("*/")
+        is_in_macro = line.endswith("\\")
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -241,9 +241,9 @@ def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
     The parameters in the head of a function go to the next line. ``continues_previous`` is True if the line already
     continues another one, so that its further lines need no more indentation.
     """
-    code, mark, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
+    code, comment_start, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
     margin = " " * (len(code) - len(code.lstrip()))
-    if mark:
+    if comment_start:
         yield comment(note.removesuffix("*/"), len(margin))
     if len(code) <= COLUMNS or code.startswith("#"):
         yield code.rstrip()
@@ -253,32 +253,42 @@ def _broken_lines(line: str, *, continues_previous: bool) -> Iterator[str]:
         yield from _broken_lines(f"    {parameters}", continues_previous=True)
     else:
         further_margin = margin if continues_previous else f"{margin}    "
-        yield from _broken_code(code.lstrip(), margin, further_margin)
+        c_code = code.lstrip()
+        # The replacement has the same length, so that indexes in it are indexes in the code.
+        without_strings = _STRING_LITERAL.sub(lambda string: "x" * len(string[0]), c_code)
+        yield from _broken_code(_LongCode(c_code, without_strings, margin=margin, further_margin=further_margin))
 
 
-def _broken_code(c_code: str, margin: str, further_margin: str) -> Sequence[str]:
-    """Return a long statement as several lines, broken at the first kind of place that makes all lines short enough.
+def _broken_code(code: _LongCode) -> list[str]:
+    """Return a long statement as several lines: broken after an operator, between conditions, or at any space.
 
-    The kinds are after a question mark or an assignment, between conditions, and anywhere. The first kind does not
-    apply to code with ``|``, nor to a question mark inside two or more brackets. ``further_margin`` begins all lines
-    but the first.
+    The first of these that makes all lines short enough is used.
     """
-    # It has the length of the code, so that places in it are places in the code.
-    without_strings = _STRING_LITERAL.sub(lambda string: "x" * len(string[0]), c_code)
-    left_side, mark, _ = without_strings.partition(" ? ")
-    open_brackets = left_side.count("(") - left_side.count(")")
-    is_inside_brackets = open_brackets > 1
-    if not mark or is_inside_brackets:
-        left_side, mark, _ = without_strings.partition(" = ")
-    # The second line begins here. The space before it is left out.
-    second_start = len(left_side) + len(mark)
-    two_lines = [margin + c_code[: second_start - 1], further_margin + c_code[second_start:]]
-    has_one_break = bool(mark) and " | " not in without_strings
-    if has_one_break and _all_fit(two_lines):
+    two_lines = _break_after_operator(code)
+    if two_lines and _all_fit(two_lines):
         return two_lines
-    code_to_break = _LongCode(c_code, without_strings, margin=margin, further_margin=further_margin)
-    lines = _break_at(_BREAKS_IN_CONDITIONS, code_to_break)
-    return lines if _all_fit(lines) else _break_at(_BREAKS_ANYWHERE, code_to_break)
+    lines_by_condition = _break_at(_BREAKS_IN_CONDITIONS, code)
+    return lines_by_condition if _all_fit(lines_by_condition) else _break_at(_BREAKS_ANYWHERE, code)
+
+
+def _break_after_operator(code: _LongCode) -> list[str]:
+    """Return code as two lines, broken after its first question mark, or else after its first assignment.
+
+    A question mark inside two or more brackets does not count. The list is empty without such an operator, and for code
+    with ``|``.
+    """
+    if " | " in code.without_strings:
+        return []
+    for operator in (" ? ", " = "):
+        left_side, operator_or_empty, _ = code.without_strings.partition(operator)
+        open_brackets = left_side.count("(") - left_side.count(")")
+        is_inside_brackets = operator == " ? " and open_brackets > 1
+        if operator_or_empty and not is_inside_brackets:
+            end_of_first_line = len(left_side + operator.rstrip())
+            # The space at the break is left out.
+            second_line = code.c_code[end_of_first_line + 1 :]
+            return [code.margin + code.c_code[:end_of_first_line], code.further_margin + second_line]
+    return []
 
 
 def _all_fit(lines: Sequence[str]) -> bool:

@@ -24,7 +24,7 @@ from .expressions import (
     CNumber,
     Conditional,
     COperation,
-    ParameterSpelling,
+    ExpressionTranslator,
     StructPassing,
 )
 from .names import DeclaredName, c_name, unsigned
@@ -43,15 +43,15 @@ class EnumConstant:
 class CEnumeration:
     """The named values of a field, as an enumeration in C, or as macros if a value is too large for an int.
 
-    ``digits`` is the number of hexadecimal digits of each value. ``statements`` are the statements about the field that
-    the comment on the enumeration contains. ``path`` is the part of the spec with the field.
+    ``hex_digits`` is the number of hexadecimal digits of each value. ``statements`` are the statements about the field
+    that the comment on the enumeration contains. ``path`` is the part of the spec with the field.
     """
 
     type: str
     about: Sequence[Paragraph] | str
     statements: tuple[Statement, ...]
     constants: tuple[EnumConstant, ...]
-    digits: int
+    hex_digits: int
     path: Path
 
     @property
@@ -60,7 +60,7 @@ class CEnumeration:
         return max((constant.value for constant in self.constants), default=0) <= 0x7FFF
 
     @property
-    def names(self) -> Mapping[int, str]:
+    def constant_by_value(self) -> Mapping[int, str]:
         """The names of the constants, by their values."""
         return {constant.value: constant.name for constant in self.constants}
 
@@ -77,14 +77,14 @@ class Enumerations:
     Fields with the same name and the same values share an enumeration. The only field of a register has its own, named
     after the register.
 
-    ``choices`` contains the enumerations by owner and field. The owner is the name of a frame, or ``reg_`` and the name
-    of a register.
+    ``enumeration_by_field`` contains the enumerations by owner and field. The owner is the name of a frame, or ``reg_``
+    and the name of a register.
     """
 
     def __init__(self, device: Device, prefix: str) -> None:
         self.prefix = prefix
-        self.choices: dict[tuple[str, str], CEnumeration] = {}
-        self.all: list[CEnumeration] = []
+        self.enumeration_by_field: dict[tuple[str, str], CEnumeration] = {}
+        self.all_enumerations: list[CEnumeration] = []
         #: By field name, the values and the enumeration of the first field with this name.
         self._shared: dict[str, tuple[Sequence[Value], CEnumeration]] = {}
         for interface, layout in device.layouts():
@@ -99,7 +99,7 @@ class Enumerations:
 
     def of(self, *path: str) -> list[CEnumeration]:
         """Return the enumerations of fields in a part of the spec, such as ``("registers", "status")``."""
-        return [enumeration for enumeration in self.all if enumeration.path[: len(path)] == path]
+        return [enumeration for enumeration in self.all_enumerations if enumeration.path[: len(path)] == path]
 
     def _add_for_register(self, register: Register, field: Field) -> None:
         """Add the enumeration of a field in a register. If it is the only field, its type is ``PREFIX_REGISTER``."""
@@ -127,7 +127,7 @@ class Enumerations:
             return
         shared_values, shared_enumeration = self._shared[field.name]
         if shared_values == field.values:
-            self.choices[owner, field.name] = shared_enumeration
+            self.enumeration_by_field[owner, field.name] = shared_enumeration
         else:
             type_ = f"{self.prefix}_{path[-1]}_{field.name}"
             self._add_new(owner, field, path=path, type_=type_, about=about, statements=statements)
@@ -149,11 +149,11 @@ class Enumerations:
             statements=statements,
             constants=tuple(constants),
             # A hexadecimal digit for each 4 bits, rounded up.
-            digits=(field.widest + 3) // 4,
+            hex_digits=(field.widest + 3) // 4,
             path=path,
         )
-        self.choices[owner, field.name] = enumeration
-        self.all.append(enumeration)
+        self.enumeration_by_field[owner, field.name] = enumeration
+        self.all_enumerations.append(enumeration)
         return enumeration
 
 
@@ -190,7 +190,7 @@ class AlternativeCode:
     """
 
     def __init__(self, device: Device, prefix: str, alternative: Alternative) -> None:
-        self.alternative = alternative
+        self.spec_question = alternative
         self.type = f"{prefix}_{alternative.name}"
         self.argument = c_name(alternative.name, _NAMES_OF_LOCALS)
         #: Name of the constant for the answer in the example programs.
@@ -206,7 +206,7 @@ class AlternativeCode:
             about=about,
             statements=(),
             constants=tuple(self._build_constant(index, answer) for index, answer in enumerate(alternative.answers)),
-            digits=1,
+            hex_digits=1,
             path=("alternatives", alternative.name),
         )
         dependent = (parameter for parameter in device.parameters if parameter.alternative == alternative.name)
@@ -227,7 +227,7 @@ class AlternativeCode:
 
     def _express_parameter(self, parameter: str) -> CExpression:
         """Return the value of a parameter by answer, as C, such as ``code == CODE_GRAY ? 1U : 0U``."""
-        *other_answers, last_answer = self.alternative.answers
+        *other_answers, last_answer = self.spec_question.answers
         # The enumeration has a constant for each answer, in the same order.
         *other_constants, _ = self.enumeration.constants
         value: CExpression = CNumber(last_answer.sets[parameter])
@@ -245,7 +245,7 @@ def alternatives_in(alternatives: tuple[AlternativeCode, ...], *expressions: Exp
     needed_alternatives: list[AlternativeCode] = []
     for alternative in alternatives:
         # All answers set the same parameters.
-        parameters_of_answers = alternative.alternative.answers[0].sets
+        parameters_of_answers = alternative.spec_question.answers[0].sets
         if not used_parameters.isdisjoint(parameters_of_answers):
             needed_alternatives.append(alternative)
     return tuple(needed_alternatives)
@@ -273,12 +273,12 @@ class HeaderContext:
         argument_by_parameter: dict[str, str] = {}
         for alternative in self.alternatives:
             # All answers of an alternative set the same parameters.
-            argument_by_parameter |= dict.fromkeys(alternative.alternative.answers[0].sets, alternative.argument)
-        self.spelling = ParameterSpelling(
+            argument_by_parameter |= dict.fromkeys(alternative.spec_question.answers[0].sets, alternative.argument)
+        self.translator = ExpressionTranslator(
             prefix=self.prefix, largest=_largest_values(device), answers=argument_by_parameter, passing=passing
         )
         self.enumerations = Enumerations(device, self.prefix)
-        self.choices = self.enumerations.choices
+        self.enumeration_by_field = self.enumerations.enumeration_by_field
 
     def crc_name(self, crc: Crc, carried_as: str) -> str:
         """Return the name of the function that computes a CRC over ``bits`` or over ``bytes`` (``carried_as``).
@@ -312,7 +312,7 @@ class HeaderContext:
 
     def member_type(self, parameter: Parameter) -> str:
         """Return the type of a parameter in the variant."""
-        return unsigned(self.spelling.largest[parameter.name].bit_length())
+        return unsigned(self.translator.largest[parameter.name].bit_length())
 
 
 def _largest_values(device: Device) -> dict[str, int]:

@@ -68,25 +68,26 @@ def fold_operations(steps: Sequence[FoldStep], bits: int, source: str) -> Iterat
         bits: Width of the number.
         source: C expression of the number.
     """
-    # From here on, ``source`` and ``bits`` are the variable and the width of the number before each step.
+    # The C expression that has the number before the next step, and the width of this number.
+    current_source, current_bits = source, bits
     for step in steps:
-        # A step moves the bits from ``shift`` up to two places: to bit 0, and to bit ``back``.
-        moved_bits = bits - step.shift
-        bits_left = max(step.shift, moved_bits + step.back)
-        if source == "v":
+        # A step moves the bits from ``shift`` up to two places: to bit 0, and to bit ``second_shift``.
+        moved_bits = current_bits - step.shift
+        bits_left = max(step.shift, moved_bits + step.second_shift)
+        if current_source == "v":
             yield Fold(step)
         elif bits_left > 32 or moved_bits > 32:
-            yield FoldWide(step, source, is_declared=source == "wide")
-            source = "wide"
-        elif bits <= 32:
-            yield from (Narrow(source, is_last=False), Fold(step))
-            source = "v"
+            yield FoldWide(step, current_source, is_declared=current_source == "wide")
+            current_source = "wide"
+        elif current_bits <= 32:
+            yield from (Narrow(current_source, is_last=False), Fold(step))
+            current_source = "v"
         else:
-            yield FoldHalves(step, source)
-            source = "v"
-        bits = bits_left
-    if source != "v":
-        yield Narrow(source, is_last=True)
+            yield FoldHalves(step, current_source)
+            current_source = "v"
+        current_bits = bits_left
+    if current_source != "v":
+        yield Narrow(current_source, is_last=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +115,7 @@ class BitsCrc:
 
 @dataclass(frozen=True)
 class WordCrc:
-    """The function ``name`` that computes the CRC of a whole word of ``bits`` bits.
+    """The function ``name`` that computes the CRC of a whole word of ``word_bits`` bits.
 
     ``general_function`` is the function for this CRC over any number of bits, whose table is also used here. ``folds``
     are the operations that reduce the word without a table, empty if there are none.
@@ -123,7 +124,7 @@ class WordCrc:
     name: str
     general_function: str
     crc: Crc
-    bits: int
+    word_bits: int
     folds: tuple[FoldOperation, ...]
     about: tuple[Paragraph, ...]
 
@@ -163,7 +164,7 @@ class WordCrc:
     @property
     def _bytes_of_word(self) -> int:
         # Bits to bytes, rounded up.
-        return (self.bits + 7) // 8
+        return (self.word_bits + 7) // 8
 
 
 def _byte_in_half(byte_index: int) -> ByteInHalf:

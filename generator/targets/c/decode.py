@@ -63,14 +63,16 @@ class CDecoder:
 
     def __init__(self, struct: LayoutStruct) -> None:
         self.struct = struct
-        self.plan = struct.plan
+        self.layout_plan = struct.layout_plan
         self.reader = struct.reader
-        self._plain_flags = {part.field.name for part in self.plan.decoded_fields if is_plain_flag(part)}
+        self._plain_flags = {
+            decoded_field.name for decoded_field in self.layout_plan.decoded_fields if is_plain_flag(decoded_field)
+        }
         #: For each parity bit that is checked in the word: the mask of it and of all bits that it covers.
         self._word_parities: dict[str, int] = {}
         #: Fields that a check needs in a local.
         checked_names: set[str] = set()
-        for check in self.plan.checks:
+        for check in self.layout_plan.checks:
             if isinstance(check, ZerosAbove):
                 checked_names.add(check.field.name)
             if isinstance(check, ParityIs):
@@ -79,7 +81,7 @@ class CDecoder:
                     self._word_parities[check.field.name] = mask
                 else:
                     checked_names.update(covered.name for covered in check.covered_fields)
-        unused_names = {reserved.field.name for reserved in self.plan.reserved}
+        unused_names = {reserved.field.name for reserved in self.layout_plan.reserved}
         #: Unused fields that no check needs. Their bits only go to the member ``unused``.
         self._only_reported = unused_names - checked_names
 
@@ -94,16 +96,16 @@ class CDecoder:
         No local is needed for constants, CRCs, texts, unused fields that are only reported, and parity bits that are
         checked in the word. Nor is it for most flags, which are tested in their byte or in the word.
         """
-        names_without_local = self._plain_flags | self._only_reported | self.plan.constants.keys()
+        names_without_local = self._plain_flags | self._only_reported | self.layout_plan.constants.keys()
         names_without_local |= self._word_parities.keys()
-        texts = [part.field for part in self.plan.decoded_fields if isinstance(part.meaning, Latin1Text)]
-        names_without_local |= {field.name for field in texts}
-        names_without_local |= {crc.field.name for crc in self.plan.crcs}
-        return tuple(field for field in self.plan.layout.fields if field.name not in names_without_local)
+        decoded_fields = self.layout_plan.decoded_fields
+        names_without_local |= {field.name for field in decoded_fields if isinstance(field.meaning, Latin1Text)}
+        names_without_local |= {crc.field.name for crc in self.layout_plan.crcs}
+        return tuple(field for field in self.layout_plan.layout.fields if field.name not in names_without_local)
 
     def type_and_received_bits(self, field: Field) -> tuple[str, CExpression]:
         """Return the C type and the received bits of a field: ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``."""
-        return self.reader.type_and_bits(self.plan.bits_of(field.name))
+        return self.reader.type_and_bits(self.layout_plan.bits_of(field.name))
 
     def bits_as_sent(self, field: Field) -> CExpression:
         """Return the bits of a field before any Gray code is converted."""
@@ -135,7 +137,7 @@ class CDecoder:
     @property
     def _checked_in_word(self) -> tuple[ParityIs, ...]:
         """The parity bits that are checked in the word, before any field of it is extracted."""
-        parities = (check for check in self.plan.checks if isinstance(check, ParityIs))
+        parities = (check for check in self.layout_plan.checks if isinstance(check, ParityIs))
         return tuple(parity for parity in parities if parity.field.name in self._word_parities)
 
     @property
@@ -146,7 +148,7 @@ class CDecoder:
         it has a parity bit, both are checked together, and the selector has no check of its own. Parity bits that are
         checked in the word are not included.
         """
-        parities = [check for check in self.plan.checks if isinstance(check, ParityIs)]
+        parities = [check for check in self.layout_plan.checks if isinstance(check, ParityIs)]
         # A parity is known if it covers only the selector, which has one value in this frame.
         parities_of_selector = [parity for parity in parities if parity.known_parity is not None]
         selector_names = {parity.selector.name for parity in parities_of_selector}
@@ -155,15 +157,15 @@ class CDecoder:
             if parity.known_parity is None and parity.field.name not in self._word_parities:
                 yield parity
         yield from parities_of_selector
-        for check in self.plan.checks:
+        for check in self.layout_plan.checks:
             is_of_value = not isinstance(check, (AlwaysIs, ZerosAbove, ParityIs))
             if is_of_value and check.field.name not in selector_names:
                 yield check
 
     def _checks_of_constants(self) -> Iterator[Check | ConstantByte]:
         """Yield the checks of constant fields in the word, or of zeros above fields and of constant bytes."""
-        checks = self.plan.checks
-        if self.plan.by_word:
+        checks = self.layout_plan.checks
+        if self.layout_plan.by_word:
             yield from (check for check in checks if isinstance(check, AlwaysIs))
         else:
             yield from (check for check in checks if isinstance(check, ZerosAbove) and check.shares_bytes_with_field)
@@ -177,12 +179,12 @@ class CDecoder:
         """
         assert parity.known_parity is not None
         # A known parity covers a single field with a single value: here the selector, with the value of this frame.
-        (selected_value,) = self.plan.layout.selects
+        (selected_value,) = self.layout_plan.layout.selects
         (selector_bits,) = parity.covered_bits
         slices_and_numbers = [(bit_slice, selected_value) for bit_slice in selector_bits.bit_slices]
         slices_and_numbers += [(bit_slice, parity.known_parity) for bit_slice in parity.bits.bit_slices]
         byte_indices = {bit_slice.byte for bit_slice, _ in slices_and_numbers}
-        if self.plan.by_word or len(byte_indices) != 1:
+        if self.layout_plan.by_word or len(byte_indices) != 1:
             return self._selector_or_parity_differs(parity, parity.known_parity)
         (byte,) = byte_indices
         mask, expected_value = self._constant_bits_of(byte)
@@ -199,7 +201,7 @@ class CDecoder:
 
         They were checked before. Comparing them again can complete a mask to 0xFF, so that the byte needs no mask.
         """
-        for constant in constant_bytes(self.plan.checks):
+        for constant in constant_bytes(self.layout_plan.checks):
             # There is at most one constant for each byte.
             if constant.byte == byte:
                 return constant.mask, constant.value
@@ -208,7 +210,7 @@ class CDecoder:
     def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> CExpression:
         """Return the condition that the selector or its parity bit, both in locals, differs from this frame's."""
         selector = parity.selector
-        values_of_frame = self.plan.layout.selects
+        values_of_frame = self.layout_plan.layout.selects
         selector_differs = self.struct.is_none_of(selector, self.local_variable(selector), values_of_frame, is_raw=True)
         parity_differs = COperation("!=", (self.local_variable(parity.field), CNumber(known_parity)))
         return join_operands("||", (selector_differs, parity_differs))
@@ -220,7 +222,7 @@ class CDecoder:
         registers and answers of the user. It is not used for the parity of the selector, which is compared with a
         constant instead.
         """
-        is_in_plain_word = self.plan.by_word and not self.plan.is_converted
+        is_in_plain_word = self.layout_plan.by_word and not self.layout_plan.is_converted
         if not is_in_plain_word or parity.known_parity is not None:
             return 0
         parameters: set[str] = set()
@@ -258,7 +260,7 @@ class CDecoder:
 
     def parity(self, fields: Sequence[Field], mask: int) -> CExpression:
         """Return the parity of these fields, or of their bits in ``mask`` if it is not 0."""
-        if self.plan.parity_covers_converted:
+        if self.layout_plan.parity_covers_converted:
             return self.reader.parity_as_sent(fields, mask)
         return self.reader.parity([(self.local_variable(field), field.widest) for field in fields], mask)
 
@@ -271,20 +273,20 @@ class CDecoder:
         The unused bits of a byte with flags are taken from the local for these flags. Those of other bytes follow.
         """
         unused = self.struct.unused
-        # The unused bits of each byte, by its index, as far as no operation has taken them yet.
-        remaining = {group.byte: group for group in unused.bit_groups if group.byte is not None}
+        # The unused bits that no operation has taken yet.
+        group_by_byte = {group.byte: group for group in unused.bit_groups if group.byte is not None}
         for operation in self._fields_and_joined_numbers():
             yield operation
-            if isinstance(operation, FlagByte) and operation.byte in remaining:
-                is_first = len(remaining) == len(unused.bit_groups)
-                group = remaining.pop(operation.byte)
-                yield from self._take_unused(group, CName("flags"), is_first=is_first, is_last=not remaining)
-        for byte in tuple(remaining):
-            is_first = len(remaining) == len(unused.bit_groups)
-            group = remaining.pop(byte)
-            yield from self._take_unused(group, CName(f"bytes[{byte}]"), is_first=is_first, is_last=not remaining)
-        if unused and (self.plan.by_word or unused.separate_fields):
-            yield AllUnusedBits(unused.member)
+            if isinstance(operation, FlagByte) and operation.byte in group_by_byte:
+                is_first = len(group_by_byte) == len(unused.bit_groups)
+                group = group_by_byte.pop(operation.byte)
+                yield from self._take_unused(group, CName("flags"), is_first=is_first, is_last=not group_by_byte)
+        for byte in tuple(group_by_byte):
+            is_first = len(group_by_byte) == len(unused.bit_groups)
+            group = group_by_byte.pop(byte)
+            yield from self._take_unused(group, CName(f"bytes[{byte}]"), is_first=is_first, is_last=not group_by_byte)
+        if unused and (self.layout_plan.by_word or unused.separate_fields):
+            yield AllUnusedBits(unused.decoded_value)
 
     def _take_unused(
         self, group: ShiftedBits, byte: CExpression, *, is_first: bool, is_last: bool
@@ -307,11 +309,11 @@ class CDecoder:
         The byte of adjacent flags comes before the first of them.
         """
         flag_bytes = self._first_flags_of_bytes()
-        for part in self.plan.decoded_fields:
-            if part.field.name in flag_bytes:
-                yield flag_bytes[part.field.name]
-            yield part
-        yield from self.plan.joined_numbers
+        for decoded_field in self.layout_plan.decoded_fields:
+            if decoded_field.name in flag_bytes:
+                yield flag_bytes[decoded_field.name]
+            yield decoded_field
+        yield from self.layout_plan.joined_numbers
 
     def _first_flags_of_bytes(self) -> dict[str, FlagByte]:
         """Return the bytes of flags, each under the name of the first flag that is tested in it.
@@ -319,12 +321,12 @@ class CDecoder:
         A byte occurs again if flags of another byte are between its flags.
         """
         byte_by_first_flag: dict[str, int] = {}
-        previous_byte = -1
-        for part in self.plan.decoded_fields:
-            if is_plain_flag(part) and not self.plan.by_word:
-                byte = part.bits.bit_slices[0].byte
+        previous_byte: int | None = None
+        for decoded_field in self.layout_plan.decoded_fields:
+            if is_plain_flag(decoded_field) and not self.layout_plan.by_word:
+                byte = decoded_field.bits.bit_slices[0].byte
                 if byte != previous_byte:
-                    byte_by_first_flag[part.field.name] = byte
+                    byte_by_first_flag[decoded_field.name] = byte
                 previous_byte = byte
         is_only = len(byte_by_first_flag) == 1
         flag_bytes: dict[str, FlagByte] = {}
@@ -333,20 +335,20 @@ class CDecoder:
             flag_bytes[name] = FlagByte(byte, is_first=is_first, is_only=is_only)
         return flag_bytes
 
-    def members_filled_by(self, part: FieldToDecode) -> Iterator[tuple[str, CExpression]]:
+    def members_filled_by(self, decoded_field: FieldToDecode) -> Iterator[tuple[str, CExpression]]:
         """Yield the members of the struct that a field fills, each with its value.
 
         An example is ``error`` with ``(flags & 0x80U) != 0U``. A number whose decimal digits are members, too, and a
         text fill several members.
         """
-        name = c_name(part.field.name)
-        bits = self.local_variable(part.field)
-        type_ = self.struct.type_of(part.field)
-        match part.meaning:
+        name = c_name(decoded_field.name)
+        bits = self.local_variable(decoded_field.field)
+        type_ = self.struct.type_of(decoded_field.field)
+        match decoded_field.meaning:
             case UnsignedNumber() | NamedChoice():
-                yield name, self._bits_as(type_, part)
+                yield name, self._bits_as(type_, decoded_field)
             case TwosComplement():
-                width = self.struct.spelling.expression_of(part.field.width)
+                width = self.struct.translator.to_c(decoded_field.field.width)
                 signed_number = CCall("cw_signed", (bits, width))
                 yield name, CCast(type_, signed_number)
             case ZeroMeans(number_for_zero):
@@ -354,42 +356,42 @@ class CDecoder:
                 number = Conditional(is_zero, value_if_true=CNumber(number_for_zero), value_if_false=bits)
                 yield name, CCast(type_, number)
             case ActiveFlag(low):
-                bit = self.reader.flag_bit(part.bits) if is_plain_flag(part) else bits
-                is_active = self._is_active(part, bit, low_is_active=low)
-                yield name, CName(is_active.operand)
+                bit = self.reader.flag_bit(decoded_field.bits) if is_plain_flag(decoded_field) else bits
+                is_active = self._is_active(decoded_field, bit, low_is_active=low)
+                yield name, CName(is_active.as_operand)
             case DecimalDigits(runs):
-                yield name, self._bits_as(type_, part)
+                yield name, self._bits_as(type_, decoded_field)
                 for run in runs:
                     highest_of_run = run.modulus - 1
                     type_of_run = unsigned(highest_of_run.bit_length())
-                    digits_of_run = digits(bits, part.field, run)
+                    digits_of_run = digits(bits, decoded_field.field, run)
                     yield c_name(run.name), CCast(type_of_run, digits_of_run)
             case Latin1Text():
-                for index, byte in characters(part.field):
+                for index, byte in characters(decoded_field.field):
                     received_byte = CName(f"bytes[{byte}]")
                     yield f"{name}[{index}]", CCast(type_, received_byte)
             case never:
                 assert_never(never)
 
-    def _is_active(self, part: FieldToDecode, bit: CExpression, *, low_is_active: bool) -> CExpression:
+    def _is_active(self, decoded_field: FieldToDecode, bit: CExpression, *, low_is_active: bool) -> CExpression:
         """Return the condition that a flag is active. A flag that does not exist for the order code is inactive.
 
         An active-low flag of which only some order codes have the bit is compared with its width, which is 1 or 0.
         """
-        if low_is_active and not part.field.width.is_constant:
-            return COperation("!=", (bit, self.struct.spelling.expression_of(part.field.width)))
+        if low_is_active and not decoded_field.field.width.is_constant:
+            return COperation("!=", (bit, self.struct.translator.to_c(decoded_field.field.width)))
         operator = "==" if low_is_active else "!="
         return COperation(operator, (bit, CNumber(0)))
 
-    def _bits_as(self, type_: str, part: FieldToDecode) -> CExpression:
-        """Return the bits of a part, with a cast if the member has another type."""
-        bits = self.local_variable(part.field)
-        type_of_local, _ = self.type_and_received_bits(part.field)
+    def _bits_as(self, type_: str, decoded_field: FieldToDecode) -> CExpression:
+        """Return the bits of a field, with a cast if the member has another type."""
+        bits = self.local_variable(decoded_field.field)
+        type_of_local, _ = self.type_and_received_bits(decoded_field.field)
         return bits if type_of_local == type_ else CCast(type_, bits)
 
     def is_fixed(self, field: Field) -> bool:
         """Return True if a field always has the same bits."""
-        return field.name in self.plan.constants
+        return field.name in self.layout_plan.constants
 
     def number_of_join(self, joined_number: JoinedNumber) -> CExpression:
         """Return the number that several fields form (a join), from the word or from the locals of the fields."""

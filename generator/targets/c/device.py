@@ -59,9 +59,9 @@ class Usage:
     """
 
     frame: StructCodec
-    verdict: str
+    verdict_function: str
     member: str
-    request: str
+    request_macro: str
     request_for_reply: ReplyRequest | None
     reads_twice: bool
 
@@ -100,30 +100,30 @@ class DeviceView:
         self.prefix = context.prefix
         self.PREFIX = context.PREFIX
         self.stem = context.stem
-        self.reports = Reports(device, self.prefix, context.choices, context.spelling)
+        self.reports = Reports(device, self.prefix, context.enumeration_by_field, context.translator)
         self.alternatives = context.alternatives
         self.variants = VariantCode(context)
         self.interface = _with_path_in_errors(
             partial(InterfaceCode, context, context.interface, self.reports), "interfaces", context.interface.name
         )
         #: The order code in all samples.
-        self.row = self.variants.rows[device.variants.index(choose_variant(device, context.interface))]
-        self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
+        self.code_row = self.variants.rows[device.variants.index(choose_variant(device, context.interface))]
+        self.frame_lengths = LengthCode(context, context.interface, self.variants.rows, self.code_row)
         self.code_facts = CodeFacts(context, context.interface, self.variants.rows)
         self.channels = channel_code(context, self.interface.codecs)
         self.positions = positions(context)
         self.registers = [self._build_register(register) for register in _bank_selectors_first(device)]
         self.crcs = list(self._crc_codes())
         register_code_by_name = {code.register.name: code for code in self.registers}
-        self.take_functions = [
+        self.variant_updaters = [
             VariantUpdater(context, group, register_code_by_name[group.register.name].access)
             for group in held_parameters(device)
         ]
         usage = self.usage
         frame_to_read = usage.frame if usage is not None else None
         reads_twice = usage is not None and usage.reads_twice
-        self.reading = ReadCode(context, frame_to_read, self.lengths, reads_twice=reads_twice)
-        self.initial = words_for_initial_values(device)
+        self.position_reader = ReadCode(context, frame_to_read, self.frame_lengths, reads_twice=reads_twice)
+        self.initial_values_text = words_for_initial_values(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, register_code_by_name))
         self.procedures = [self._build_procedure(procedure, register_code_by_name) for procedure in device.procedures]
@@ -172,7 +172,7 @@ class DeviceView:
         transport_header = "codewheel/transport.h"
         label_headers = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
         registers_header = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else first_header
-        has_texts = bool(self.reports.all or self.alarms or self.timings)
+        has_texts = bool(self.reports.all_reports or self.alarms or self.timings)
         build = self._build_part
         about_labels = "find the order code that a label shows"
         parts = [build("labels", about=about_labels, includes=(encoder_header, first_header))]
@@ -203,13 +203,13 @@ class DeviceView:
     def runtime_headers(self) -> Iterator[str]:
         """The headers of the runtime that the headers of the interface include, or that users need with them.
 
-        Users need a receiver for its frames, and helpers for its registers and procedures.
+        Users need a receiver for its frames, and helpers for its registers and procedures. A header can come twice.
         """
         interface = self.context.interface
         for part in self.parts:
             yield from (name.removeprefix(f"{FOLDER}/") for name in part.includes if name.startswith(f"{FOLDER}/"))
-        if self.lengths.macros:
-            yield "receive_frame.h" if self.lengths.length_macro else "receive.h"
+        if self.frame_lengths.macros:
+            yield "receive_frame.h" if self.frame_lengths.length_macro else "receive.h"
         if self.channels is not None:
             yield "channels.h"
         if isinstance(interface, Spi):
@@ -245,13 +245,14 @@ class DeviceView:
         yield f"{self.PREFIX}_VERSION", ()
         if self.read_state:
             yield self.read_state, ()
-        declaring_parts: list[_Declaring] = [self.variants, *self.context.enumerations.all, *self.crcs, self.reports]
-        declaring_parts += [*self.alternatives, self.interface, self.lengths, self.code_facts, self.reading]
+        declaring_parts: list[_Declaring] = [self.variants, *self.context.enumerations.all_enumerations, *self.crcs]
+        declaring_parts += [self.reports, *self.alternatives, self.interface, self.frame_lengths]
+        declaring_parts += [self.code_facts, self.position_reader]
         if self.channels is not None:
             declaring_parts.append(self.channels)
         if self.positions is not None:
             declaring_parts.append(self.positions)
-        declaring_parts += [*self.registers, *self.take_functions, *self.identities, *self.procedures, *self.alarms]
+        declaring_parts += [*self.registers, *self.variant_updaters, *self.identities, *self.procedures, *self.alarms]
         for declaring_part in declaring_parts:
             yield from declaring_part.declared()
         for macro in self.timings:
@@ -321,7 +322,9 @@ class DeviceView:
         Raises:
             LookupError: There is no such frame.
         """
-        codecs = (codec for codec in self.interface.codecs if codec.struct.layout.name in self.lengths.layouts)
+        codecs = (
+            codec for codec in self.interface.codecs if codec.struct.layout.name in self.frame_lengths.layout_names
+        )
         return first_or_raise(codecs, f"frame received over {self.context.interface.title}")
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:
@@ -347,27 +350,29 @@ class DeviceView:
         position_name = self.device.position_name(self.context.interface.name)
         for codec in self.interface.codecs:
             layout = codec.struct.layout
-            verdict = codec.reports.verdict if codec.reports is not None else ""
+            verdict = codec.reports.verdict_function if codec.reports is not None else ""
             if verdict and position_name in layout.member_names and layout.sender == "encoder":
                 return Usage(
                     frame=codec,
-                    verdict=verdict,
+                    verdict_function=verdict,
                     member=c_name(position_name),
-                    request=self.interface.request_of(layout),
+                    request_macro=self.interface.request_of(layout),
                     request_for_reply=self.interface.request_for_reply(layout),
                     reads_twice=self._is_read_twice(codec, position_name),
                 )
         return None
 
-    def _is_read_twice(self, codec: StructCodec, member: str) -> bool:
+    def _is_read_twice(self, codec: StructCodec, position_name: str) -> bool:
         """Return True if a position over SSI must be read twice, because no CRC protects it.
 
         Two words can be compared only if the position is never negative.
         """
-        meanings = (part.meaning for part in codec.plan.decoded_fields if part.field.name == member)
-        is_signed = any(isinstance(meaning, TwosComplement) for meaning in meanings)
         is_over_ssi = isinstance(self.context.interface, Ssi)
-        return bool(codec.position_member) and is_over_ssi and not codec.plan.crc_of_all_order_codes and not is_signed
+        has_crc = codec.layout_plan.crc_of_all_order_codes is not None
+        if not codec.position_member or not is_over_ssi or has_crc:
+            return False
+        fields = [field for field in codec.layout_plan.decoded_fields if field.name == position_name]
+        return not any(isinstance(field.meaning, TwosComplement) for field in fields)
 
     def errata(self, *paths: str) -> list[Paragraph]:
         """Return a sentence for each erratum that affects one of these parts of the spec."""

@@ -52,16 +52,16 @@ class CEncoder:
 
     def __init__(self, struct: LayoutStruct, limits: Sequence[OutsideLimits]) -> None:
         self.struct = struct
-        self.plan = struct.plan
+        self.layout_plan = struct.layout_plan
         self.reader = struct.reader
-        possible_refusals = (*_with_powers_first(refusals(self.plan)), *limits)
+        possible_refusals = (*_with_powers_first(refusals(self.layout_plan)), *limits)
         #: The checks in order, each for a reason to reject a value, such as one that is too wide for its field.
         self.refusals = tuple(refusal for refusal in possible_refusals if not _never_applies(refusal))
-        checks = self.plan.checks
+        checks = self.layout_plan.checks
         #: The names of parity bits, of fields with zeros above them, and of unused fields.
         self._parity_names = frozenset(check.field.name for check in checks if isinstance(check, ParityIs))
         self._padded_names = frozenset(check.field.name for check in checks if isinstance(check, ZerosAbove))
-        self._reserved_names = frozenset(reserved.field.name for reserved in self.plan.reserved)
+        self._reserved_names = frozenset(reserved.field.name for reserved in self.layout_plan.reserved)
 
     def member_of(self, field: Field) -> CExpression:
         """Return the member of the struct that is encoded, such as ``in->position``."""
@@ -115,12 +115,12 @@ class CEncoder:
         which are in ``parities_of_sent_bits``.
         """
         terms: list[CExpression] = []
-        for term in self.plan.encoded_fields:
-            is_added_later = self.plan.parity_covers_converted and isinstance(term.value, ParityOf)
-            # ``unused.in_word`` contains the terms of unused fields.
-            is_unused = isinstance(term.value, ReservedBits)
-            if not is_added_later and not is_unused and not self._is_always_zero(term):
-                terms.append(self._term_in_word(term))
+        for encoded_field in self.layout_plan.encoded_fields:
+            is_added_later = self.layout_plan.parity_covers_converted and isinstance(encoded_field.value, ParityOf)
+            # ``unused.terms_in_word`` contains the terms of unused fields.
+            is_unused = isinstance(encoded_field.value, ReservedBits)
+            if not is_added_later and not is_unused and not self._is_always_zero(encoded_field):
+                terms.append(self._term_in_word(encoded_field))
         return (*terms, *self.struct.unused.terms_in_word)
 
     @property
@@ -129,53 +129,54 @@ class CEncoder:
 
         Most frames have none.
         """
-        if not self.plan.parity_covers_converted:
+        if not self.layout_plan.parity_covers_converted:
             return ()
-        return tuple(self._term_in_word(term) for term in self.plan.encoded_fields if isinstance(term.value, ParityOf))
+        parity_bits = [field for field in self.layout_plan.encoded_fields if isinstance(field.value, ParityOf)]
+        return tuple(map(self._term_in_word, parity_bits))
 
-    def _term_in_word(self, term: FieldToEncode) -> CExpression:
-        """Return a term shifted to its place in the word, such as ``(uint64_t)in->position << 8``."""
-        value = self._express_value(term)
-        low = term.field.low
+    def _term_in_word(self, encoded_field: FieldToEncode) -> CExpression:
+        """Return the bits of a field, shifted to its place in the word, such as ``(uint64_t)in->position << 8``."""
+        value = self._express_value(encoded_field)
+        low = encoded_field.field.low
         is_at_bit_0 = low.is_constant and low.constant == 0
         if is_at_bit_0:
             # A member of a small type would be promoted to a signed one.
             is_member = isinstance(value, CName)
             return CCast(self.word_type, value) if is_member else value
-        return shifted_left(CCast(self.word_type, value), self.struct.spelling.expression_of(low))
+        return shifted_left(CCast(self.word_type, value), self.struct.translator.to_c(low))
 
-    def _is_always_zero(self, term: FieldToEncode) -> bool:
-        """Return True if a term is a constant field or a parity bit that is always 0."""
-        is_derived = term.field.name in self.plan.constants or term.field.name in self._parity_names
-        return is_derived and term.value == ConstantNumber(0)
+    def _is_always_zero(self, encoded_field: FieldToEncode) -> bool:
+        """Return True if a field is a constant field or a parity bit that is always 0."""
+        is_derived = encoded_field.name in self.layout_plan.constants or encoded_field.name in self._parity_names
+        return is_derived and encoded_field.value == ConstantNumber(0)
 
     # -- values of terms, with their lowest bit at bit 0
 
-    def _express_value(self, term: FieldToEncode) -> CExpression:
+    def _express_value(self, encoded_field: FieldToEncode) -> CExpression:
         """Return the bits to send for a field, with the lowest one at bit 0: a constant, a parity, or a member."""
-        match term.value:
+        match encoded_field.value:
             case ConstantNumber(number):
-                is_parity = term.field.name in self._parity_names
+                is_parity = encoded_field.name in self._parity_names
                 return CNumber(number, hexadecimal=not is_parity)
             case ParityOf():
-                return self._parity_bit(term, term.value)
+                return self._parity_bit(encoded_field, encoded_field.value)
             case ValueOfField(field):
                 return self._bits_of_member(field)
             case ReservedBits():
-                return self.struct.unused.bits_of(term.field)
+                return self.struct.unused.bits_of(encoded_field.field)
 
-    def _parity_bit(self, term: FieldToEncode, parity: ParityOf) -> CExpression:
+    def _parity_bit(self, encoded_field: FieldToEncode, parity: ParityOf) -> CExpression:
         """Return the parity bit of several fields, 0 for an order code without this bit."""
-        if self.plan.parity_covers_converted:
+        if self.layout_plan.parity_covers_converted:
             even_parity = self.reader.parity_as_sent(parity.covered_fields, parity.mask)
         else:
             even_parity = self._parity_of_members(parity)
         bit = COperation("^", (even_parity, CNumber(1))) if parity.odd else even_parity
-        width = term.field.width
+        width = encoded_field.field.width
         if width.is_constant:
             return bit
         # The width is 1 or 0 by order code, which makes it the mask of the bit.
-        return COperation("&", (bit, self.struct.spelling.expression_of(width)))
+        return COperation("&", (bit, self.struct.translator.to_c(width)))
 
     def _parity_of_members(self, parity: ParityOf) -> CExpression:
         """Return the parity of the members that a parity bit covers: 1 if they have an odd number of 1 bits.
@@ -209,7 +210,7 @@ class CEncoder:
             case ActiveFlag(low):
                 return self._bit_of_flag(field, low_is_active=low)
             case TwosComplement():
-                return COperation("&", (CCast("uint64_t", member), self.struct.spelling.mask(field.width)))
+                return COperation("&", (CCast("uint64_t", member), self.struct.translator.mask(field.width)))
             case ZeroMeans(number_for_zero):
                 is_sent_as_zero = COperation("==", (member, CNumber(number_for_zero)))
                 return Conditional(is_sent_as_zero, value_if_true=CNumber(0), value_if_false=member)
@@ -227,7 +228,7 @@ class CEncoder:
             return Conditional(flag, value_if_true=CNumber(0), value_if_false=CNumber(1))
         # The width is 1, which inverts the bit, or 0 if the order code has no flag. Its bit is then 0 ^ 0.
         active = Conditional(flag, value_if_true=CNumber(1), value_if_false=CNumber(0))
-        width = self.struct.spelling.expression_of(field.width)
+        width = self.struct.translator.to_c(field.width)
         return COperation("^", (CCast("uint64_t", active), CCast("uint64_t", width)))
 
     # -- the bytes
@@ -250,19 +251,19 @@ class CEncoder:
 
     def _crc_bytes(self) -> set[int]:
         """Return the indices of the bytes of a CRC over whole bytes. The set is empty if there is no such CRC."""
-        crc = self.plan.crc_of_all_order_codes
-        if crc is None or not self.plan.layout.crc_covers_bytes:
+        crc = self.layout_plan.crc_of_all_order_codes
+        if crc is None or not self.layout_plan.layout.crc_covers_bytes:
             return set()
         return {bit_slice.byte for bit_slice in crc.bits.bit_slices}
 
     def _constant_bits_by_byte(self) -> dict[int, int]:
         """Return the constant bits of every byte, by its index, such as ``{0: 0x80, 1: 0}``."""
-        constants = dict.fromkeys(range(self.plan.length), 0)
-        for term in self.plan.encoded_fields:
-            if isinstance(term.value, ConstantNumber):
-                for bit_slice in term.field.bit_slices:
+        constants = dict.fromkeys(range(self.layout_plan.length), 0)
+        for encoded_field in self.layout_plan.encoded_fields:
+            if isinstance(encoded_field.value, ConstantNumber):
+                for bit_slice in encoded_field.field.bit_slices:
                     # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
-                    bits_of_slice = (term.value.number >> bit_slice.low_in_number) & bit_slice.mask
+                    bits_of_slice = (encoded_field.value.number >> bit_slice.low_in_number) & bit_slice.mask
                     constants[bit_slice.byte] |= bits_of_slice << bit_slice.low_in_byte
         return constants
 
@@ -271,29 +272,29 @@ class CEncoder:
         expressions: dict[int, list[CExpression]] = {}
         for byte, bits in self.struct.unused.bits_by_byte:
             expressions.setdefault(byte, []).append(bits)
-        for term in self.plan.encoded_fields:
-            for byte, bits in self._variable_bits(term):
+        for encoded_field in self.layout_plan.encoded_fields:
+            for byte, bits in self._variable_bits(encoded_field):
                 expressions.setdefault(byte, []).append(bits)
         return expressions
 
-    def _variable_bits(self, term: FieldToEncode) -> Iterator[tuple[int, CExpression]]:
+    def _variable_bits(self, encoded_field: FieldToEncode) -> Iterator[tuple[int, CExpression]]:
         """Yield the index of each byte that contains bits of a member or parity bit, with the bits at their places.
 
         Nothing is yielded for constants and unused bits, which other functions add to the bytes.
         """
-        match term.value:
+        match encoded_field.value:
             case ReservedBits() | ConstantNumber():
                 return
             case ValueOfField(field):
-                yield from self._bits_in_bytes(term, field)
+                yield from self._bits_in_bytes(encoded_field, field)
             case ParityOf():
-                for bit_slice in term.field.bit_slices:
-                    parity = shifted_right(self._express_value(term), bit_slice.low_in_number)
+                for bit_slice in encoded_field.field.bit_slices:
+                    parity = shifted_right(self._express_value(encoded_field), bit_slice.low_in_number)
                     yield bit_slice.byte, shifted_left(parity, bit_slice.low_in_byte)
             case _:
-                assert_never(term.value)
+                assert_never(encoded_field.value)
 
-    def _bits_in_bytes(self, term: FieldToEncode, field: Field) -> Iterator[tuple[int, CExpression]]:
+    def _bits_in_bytes(self, encoded_field: FieldToEncode, field: Field) -> Iterator[tuple[int, CExpression]]:
         """Yield the index of each byte that contains bits of a member, with the bits at their places in it."""
         member = self.member_of(field)
         match meaning_of(field):
@@ -305,7 +306,8 @@ class CEncoder:
                     yield bit_slice.byte, _flag_in_byte(member, bit_slice, low_is_active=low)
             case TwosComplement():
                 # Copies of the sign must not reach the zeros above the field.
-                bits = self._express_value(term) if field.name in self._padded_names else CCast("uint64_t", member)
+                is_padded = field.name in self._padded_names
+                bits = self._express_value(encoded_field) if is_padded else CCast("uint64_t", member)
                 for bit_slice in field.bit_slices:
                     yield bit_slice.byte, self._slice_in_byte(field, bit_slice, bits, may_be_wider=True)
             case UnsignedNumber() | ZeroMeans() | NamedChoice() | DecimalDigits():
@@ -314,7 +316,7 @@ class CEncoder:
                 for bit_slice in field.bit_slices:
                     # Bits above the type of the member are 0.
                     if bit_slice.low_in_number < size_of(widest_value(field)):
-                        value = self._express_value(term)
+                        value = self._express_value(encoded_field)
                         yield bit_slice.byte, self._slice_in_byte(field, bit_slice, value, may_be_wider=is_split)
             case meaning:
                 assert_never(meaning)

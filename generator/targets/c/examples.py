@@ -21,7 +21,7 @@ from ...model import (
     first_or_raise,
     number_to_bytes,
 )
-from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
+from ...plan.frames import SSI_EXTRA_BITS, FrameSize, received_sizes
 from ...plan.steps import SendRequest
 from ...plan.values import (
     TwosComplement,
@@ -74,11 +74,11 @@ class ExampleCode:
         self.view = view
         self.interface = view.context.interface
         #: Functions for the members that the program prints.
-        self.printed = printed_members
-        self.number = printed_number
-        self._chosen = chosen = ChosenExamples(view.device, self.interface)
+        self.printed_members = printed_members
+        self.printed_number = printed_number
+        self._chosen_examples = chosen = ChosenExamples(view.device, self.interface)
         self.name = view.stem
-        self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
+        self.code_row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
         self.frame: ExampleFrame = chosen.frame
         self.shown_procedure = self._choose_procedure()
         self.shown_registers = [self._show_register(register) for register, _ in chosen.registers.values()]
@@ -108,12 +108,12 @@ class ExampleCode:
         return ", ".join(("ENCODER", *(question.constant for question in self.alternatives)))
 
     @property
-    def received(self) -> list[FrameSize]:
+    def received_sizes(self) -> list[FrameSize]:
         """The lengths of the frame as received, one for each order code, with the first answers of alternatives."""
-        first_answers = [question.alternative.answers[0] for question in self.alternatives]
-        received_frames = received_sizes(self.view.device, self.interface)
-        frames_of_layout = [frame for frame in received_frames if frame.layout is self.frame.layout]
-        return [frame for frame in frames_of_layout if _has_only_answers(frame, first_answers)]
+        first_answers = [question.spec_question.answers[0] for question in self.alternatives]
+        sizes = received_sizes(self.view.device, self.interface)
+        sizes_of_frame = [size for size in sizes if size.layout is self.frame.layout]
+        return [size for size in sizes_of_frame if _has_only_answers(size, first_answers)]
 
     @property
     def has_crc(self) -> bool:
@@ -147,7 +147,8 @@ class ExampleCode:
         layout = self.frame.layout
         if not layout.in_bytes:
             return b""
-        return number_to_bytes(layout, self.frame.wire, layout.place(self._chosen.variant.parameters).bits)
+        frame_bits = layout.place(self._chosen_examples.variant.parameters).bits
+        return number_to_bytes(layout, self.frame.sent_number, frame_bits)
 
     @property
     def bytes_over_ssi(self) -> ReceivedBytes | None:
@@ -155,19 +156,19 @@ class ExampleCode:
 
         The line is high until the first clock has stored the position. Then come the word and a 0.
         """
-        frames = [frame for frame in self.received if frame.variant is self._chosen.variant]
-        if not frames or not isinstance(self.interface, Ssi):
+        sizes = [size for size in self.received_sizes if size.variant is self._chosen_examples.variant]
+        if not sizes or not isinstance(self.interface, Ssi):
             return None
-        frame = frames[0]
-        bits_macro, bytes_macro = self.view.lengths.macros_of(frame)
+        size = sizes[0]
+        bits_macro, bytes_macro = self.view.frame_lengths.macros_of(size)
         # A 1, the word, and a 0. In the buffer, the first bit received is the highest of the first byte.
-        bits_on_line = ((1 << frame.bits) | self.frame.wire) << 1
-        # SSI_AROUND counts the 1 and the 0.
-        unused_bits = 8 * frame.bytes - frame.bits - SSI_AROUND
+        bits_on_line = ((1 << size.frame_bits) | self.frame.sent_number) << 1
+        # SSI_EXTRA_BITS counts the 1 and the 0.
+        unused_bits = 8 * size.buffer_bytes - size.frame_bits - SSI_EXTRA_BITS
         return ReceivedBytes(
-            bits=bits_macro.name,
-            size=bytes_macro.name,
-            data=(bits_on_line << unused_bits).to_bytes(frame.bytes, "big"),
+            bits_macro=bits_macro.name,
+            size_macro=bytes_macro.name,
+            data=(bits_on_line << unused_bits).to_bytes(size.buffer_bytes, "big"),
         )
 
     @property
@@ -179,14 +180,14 @@ class ExampleCode:
         structs = (codec.struct for codec in self.view.interface.codecs)
         requests = (struct for struct in structs if struct.layout.name == request_name)
         request = first_or_raise(requests, f"struct for '{request_name}'")
-        parameters = self._chosen.variant.parameters
+        parameters = self._chosen_examples.variant.parameters
         reply_bits = self.frame.layout.place(parameters).bits
         return Session(
             request=request,
-            initial=request.initializer(parameters),
+            initializer=request.initializer(parameters),
             macro=f"{self.view.PREFIX}_REQUEST_{request_name}".upper(),
             # Bits to bytes, rounded up.
-            data=self.frame.wire.to_bytes((reply_bits + 7) // 8, "big"),
+            data=self.frame.sent_number.to_bytes((reply_bits + 7) // 8, "big"),
             size=(request.layout.widest + 7) // 8,
         )
 
@@ -204,18 +205,18 @@ class ExampleCode:
 
         Numbers that the reply repeats, such as an address, have the same values in it.
         """
-        parameters = self._chosen.variant.parameters
+        parameters = self._chosen_examples.variant.parameters
         numbers: dict[str, int] = {}
         for placed_field in self.frame.layout.place(parameters).fields:
             if isinstance(meaning_of(placed_field.field), UnsignedNumber):
-                numbers[placed_field.name] = (self.frame.wire >> placed_field.low) & placed_field.mask
-        for joined_number in self.struct.plan.joined_numbers:
+                numbers[placed_field.name] = (self.frame.sent_number >> placed_field.low) & placed_field.mask
+        for joined_number in self.struct.layout_plan.joined_numbers:
             if all(field.name in numbers for field in joined_number.fields):
                 numbers[joined_number.name] = joined_number.number_of(numbers, parameters)
         return self.view.interface.request_for_reply(self.frame.layout, numbers)
 
     @property
-    def request(self) -> str:
+    def request_macro(self) -> str:
         """The macro of the control field to which the frame is the reply, or an empty string.
 
         The reply begins with the same byte.
@@ -239,8 +240,8 @@ class ExampleCode:
         For this, the frame must have a request, and the procedure must have at least one request, a reply to each of
         its requests, and no arguments or values to read.
         """
-        code = self.shown_procedure.code if self.shown_procedure is not None else None
-        if code is None or code.arguments or code.reads or not self.request:
+        code = self.shown_procedure.procedure_code if self.shown_procedure is not None else None
+        if code is None or code.arguments or code.read_members or not self.request_macro:
             return False
         operations = [row.operation for row in code.rows if isinstance(row, StepRow)]
         requests = [operation for operation in operations if isinstance(operation, SendRequest)]
@@ -249,7 +250,7 @@ class ExampleCode:
     @property
     def position(self) -> Positions | None:
         """The functions that convert the position in the frame, or None if the frame has no position."""
-        return self.view.positions if self._chosen.has_position(self.frame.layout) else None
+        return self.view.positions if self._chosen_examples.has_position(self.frame.layout) else None
 
     @property
     def modulus(self) -> str:
@@ -259,7 +260,7 @@ class ExampleCode:
     @property
     def position_member(self) -> str:
         """The member with the position in counts, or an empty string."""
-        measurement = self._chosen.measurement
+        measurement = self._chosen_examples.measurement
         return c_name(measurement.position_name) if measurement is not None else ""
 
     @property
@@ -272,14 +273,14 @@ class ExampleCode:
 
     def is_signed(self, member: str) -> bool:
         """Return whether a member of the frame can be negative."""
-        parts = (part for part in self.struct.plan.decoded_fields if c_name(part.field.name) == member)
-        return any(isinstance(part.meaning, TwosComplement) for part in parts)
+        fields = (field for field in self.struct.layout_plan.decoded_fields if c_name(field.name) == member)
+        return any(isinstance(field.meaning, TwosComplement) for field in fields)
 
     @property
     def headers(self) -> Iterator[str]:
         """The headers of the interface that the program includes."""
         part_names = set()
-        if self.reports is not None and self.reports.reports:
+        if self.reports is not None and self.reports.reports_function:
             part_names.add("reports")
         if self.shown_registers:
             part_names.add("registers")
@@ -313,18 +314,20 @@ class ExampleCode:
     @property
     def _procedure_steps(self) -> tuple[object, ...]:
         """The steps of the procedure, none without a procedure."""
-        return self.shown_procedure.code.plan.procedure.steps if self.shown_procedure is not None else ()
+        if self.shown_procedure is None:
+            return ()
+        return self.shown_procedure.procedure_code.procedure_plan.procedure.steps
 
     def _choose_procedure(self) -> ShownProcedure | None:
         """Return the procedure that the program carries out, with the arguments of its worked example.
 
         The result is None if there is no procedure to show.
         """
-        if self._chosen.procedure is None:
+        if self._chosen_examples.procedure is None:
             return None
-        procedure, example = self._chosen.procedure
-        candidates = (code for code in self.view.procedures if code.plan.procedure is procedure)
-        code = first_or_raise(candidates, f"code for the procedure '{procedure.name}'")
+        procedure, example = self._chosen_examples.procedure
+        procedure_codes = (code for code in self.view.procedures if code.procedure_plan.procedure is procedure)
+        procedure_code = first_or_raise(procedure_codes, f"code for the procedure '{procedure.name}'")
         argument_values: dict[str, int] = {}
         if example is not None:
             argument_values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
@@ -334,21 +337,21 @@ class ExampleCode:
         return ShownProcedure(
             title=heading,
             about=f"{procedure.title} [{cite(procedure.source)}]. It changes the contents of the encoder.",
-            code=code,
+            procedure_code=procedure_code,
             values=tuple(argument_values.values()),
         )
 
     def _show_register(self, register: Register) -> ShownRegister:
         """Return a register that the program reads, with the source of its worked example."""
-        example = self._chosen.registers[register.name].example
-        candidates = (code for code in self.view.registers if code.register is register)
-        code = first_or_raise(candidates, f"code for the register '{register.name}'")
+        example = self._chosen_examples.registers[register.name].example
+        register_codes = (code for code in self.view.registers if code.register is register)
+        register_code = first_or_raise(register_codes, f"code for the register '{register.name}'")
         return ShownRegister(
             title=f"{ascii_text(title_of(register))} {register.address:02X}h",
             name=c_name(register.name, _NAMES_OF_LOCALS),
             about=f"a worked example [{cite(example.source)}]",
-            access=code.access,
-            struct=code.struct,
+            access=register_code.access,
+            struct=register_code.struct,
         )
 
     def _yield_memory(self) -> Iterator[Memory]:
@@ -357,7 +360,7 @@ class ExampleCode:
         Registers that the procedure writes have their factory default instead, or 0 if the manual gives none.
         """
         written_names = {step.register for step in self._procedure_steps if isinstance(step, (WriteStep, ModifyStep))}
-        by_address = sorted(self._chosen.registers.values(), key=lambda worked: worked.register.address)
+        by_address = sorted(self._chosen_examples.registers.values(), key=lambda worked: worked.register.address)
         for register, example in by_address:
             title = title_of(register)
             content = example.bytes
@@ -392,29 +395,29 @@ class ReceiverCode:
         self.name = f"{view.stem}_dma"
         self.sketch = f"{view.stem}_arduino"
         self.struct = example.struct
-        self.verdict = example.reports.verdict if example.reports is not None else ""
+        self.verdict_function = example.reports.verdict_function if example.reports is not None else ""
         self.member = example.position_member
         self.is_signed = example.is_signed(example.position_member)
         #: The size of the longest frame. The program is for its order code.
-        self.longest = max(example.received, key=lambda frame: frame.bits)
-        variant = self.longest.variant
+        self.longest_frame = max(example.received_sizes, key=lambda frame: frame.frame_bits)
+        variant = self.longest_frame.variant
         rows = (row for row in view.variants.rows if row.variant is variant)
-        self.row: CodeRow = first_or_raise(rows, f"row for {variant.code}")
+        self.code_row: CodeRow = first_or_raise(rows, f"row for {variant.code}")
         #: The macros of the bits in a frame and of the bytes in its buffer.
-        self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
-        reading = view.reading
+        self.bits_macro, self.size_macro = (macro.name for macro in view.frame_lengths.macros_of(self.longest_frame))
+        reading = view.position_reader
         #: The call that reads the position from the buffer.
-        self.read = f"{reading.macro}({reading.arguments_of(self.row.name_in_macros)}, rx, &position)"
+        self.read_call = f"{reading.macro}({reading.arguments_of(self.code_row.name_in_macros)}, rx, &position)"
         self.position_type = reading.frame.struct.member_type(reading.frame.position_member) if reading.frame else ""
-        self.modulus = view.modulus(self.row.macro, example.frame.layout)
+        self.modulus = view.modulus(self.code_row.macro, example.frame.layout)
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
     """Yield a program that receives by DMA for each example over BiSS with one frame, whose position has a verdict."""
     for example in examples:
-        has_verdict = example.reports is not None and bool(example.reports.verdict)
+        has_verdict = example.reports is not None and bool(example.reports.verdict_function)
         has_position = bool(example.position_member) and example.position is not None
-        has_one_frame = len(example.view.lengths.layouts) == 1
+        has_one_frame = len(example.view.frame_lengths.layout_names) == 1
         if isinstance(example.interface, Biss) and has_verdict and has_position and has_one_frame:
             yield ReceiverCode(example)
 

@@ -17,7 +17,7 @@ class CExpression:
     __slots__ = ()
 
     @property
-    def operand(self) -> str:
+    def as_operand(self) -> str:
         """The text to use as an operand or after a cast, in parentheses if it needs them there."""
         return str(self)
 
@@ -63,7 +63,7 @@ class CCast(CExpression):
     value: CExpression
 
     def __str__(self) -> str:
-        return f"({self.type}){self.value.operand}"
+        return f"({self.type}){self.value.as_operand}"
 
 
 _SUM_OPERATORS = frozenset("+-")
@@ -80,12 +80,12 @@ class COperation(CExpression):
         leftmost, *others = self.operands
         # A sum continues without parentheses, from the left: ``a + b - c``.
         continues_sum = isinstance(leftmost, COperation) and {leftmost.operator, self.operator} <= _SUM_OPERATORS
-        operand_texts = [str(leftmost) if continues_sum else leftmost.operand]
-        operand_texts += [operand.operand for operand in others]
+        operand_texts = [str(leftmost) if continues_sum else leftmost.as_operand]
+        operand_texts += [operand.as_operand for operand in others]
         return f" {self.operator} ".join(operand_texts)
 
     @property
-    def operand(self) -> str:
+    def as_operand(self) -> str:
         return f"({self})"
 
 
@@ -98,10 +98,10 @@ class Conditional(CExpression):
     value_if_false: CExpression
 
     def __str__(self) -> str:
-        return f"{self.condition.operand} ? {self.value_if_true.operand} : {self.value_if_false.operand}"
+        return f"{self.condition.as_operand} ? {self.value_if_true.as_operand} : {self.value_if_false.as_operand}"
 
     @property
-    def operand(self) -> str:
+    def as_operand(self) -> str:
         return f"({self})"
 
 
@@ -164,7 +164,7 @@ BY_ADDRESS = StructPassing(by_address=True)
 
 
 @dataclass(frozen=True)
-class ParameterSpelling:
+class ExpressionTranslator:
     """How C expresses the parameters of an order code, such as the number of position bits.
 
     A parameter that the order code sets is a member of the variant. ``largest`` contains its highest value. Other
@@ -177,7 +177,7 @@ class ParameterSpelling:
     answers: Mapping[str, str]
     passing: StructPassing = BY_VALUE
 
-    def express_parameter(self, parameter: str) -> CExpression:
+    def parameter_to_c(self, parameter: str) -> CExpression:
         """Return a parameter as C: a member of the variant, or the call of a function."""
         if parameter in self.answers:
             return CCall(f"{self.prefix}_{parameter}", (CName(self.answers[parameter]),))
@@ -197,9 +197,9 @@ class ParameterSpelling:
         """Return a mask whose lowest ``width`` bits are 1."""
         if width.is_constant:
             return CNumber((1 << width.constant) - 1, hexadecimal=True)
-        return CCall("cw_mask", (self.expression_of(width),))
+        return CCall("cw_mask", (self.to_c(width),))
 
-    def expression_of(self, expression: Expression) -> CExpression:
+    def to_c(self, expression: Expression) -> CExpression:
         """Return an expression of the spec as C, unsigned, such as ``8U + variant.position_bits - 1U``.
 
         What is added comes first, so that no intermediate result is negative unless the result is.
@@ -207,7 +207,7 @@ class ParameterSpelling:
         match expression:
             case Expression(constant=-1, terms=(Term(multiple=1, factors=(Factor(parameter=exponent, power=True),)),)):
                 # 2 to the power of the parameter, minus 1.
-                return CCall("cw_mask", (self.express_parameter(exponent),))
+                return CCall("cw_mask", (self.parameter_to_c(exponent),))
         added = [self._express_term(term) for term in expression.terms if term.multiple > 0]
         subtracted = [self._express_term(term) for term in expression.terms if term.multiple < 0]
         if expression.constant < 0:
@@ -221,7 +221,7 @@ class ParameterSpelling:
             added[0] = CCast("uint32_t", added[0])
         return join_operands("-", (join_operands("+", tuple(added)), *subtracted))
 
-    def signed(self, expression: Expression) -> CExpression:
+    def to_signed_c(self, expression: Expression) -> CExpression:
         """Return an expression of the spec as C, in 64 bits with a sign.
 
         A power of two is written as its mask plus one, since the power itself may not fit.
@@ -234,7 +234,7 @@ class ParameterSpelling:
                 # The power is one more than its mask.
                 constant += term.multiple
                 (exponent,) = term.factors
-                product: CExpression = CCall("cw_mask", (self.express_parameter(exponent.parameter),))
+                product: CExpression = CCall("cw_mask", (self.parameter_to_c(exponent.parameter),))
             else:
                 product = self._express_term(term)
             signs_and_products.append((sign, CCast("int64_t", product)))
@@ -277,7 +277,7 @@ class ParameterSpelling:
 
     def _express_factor(self, factor: Factor) -> CExpression:
         """Return a factor: a parameter, or 2 to the power of a parameter."""
-        parameter = self.express_parameter(factor.parameter)
+        parameter = self.parameter_to_c(factor.parameter)
         return COperation("<<", (CCast("uint64_t", CNumber(1)), parameter)) if factor.power else parameter
 
 
@@ -293,7 +293,7 @@ class CFunction:
 
 
 def number_function(
-    spelling: ParameterSpelling, name: str, expression: Expression, largest: int, about: str
+    translator: ExpressionTranslator, name: str, expression: Expression, largest: int, about: str
 ) -> CFunction:
     """Return the function for an expression whose values are at most ``largest``.
 
@@ -304,15 +304,15 @@ def number_function(
     subtracted = min(expression.constant, 0) if has_product else 0
     largest_intermediate = largest - subtracted
     bits = max(largest_intermediate.bit_length(), 32)
-    value = spelling.expression_of(expression)
-    if bits == 32 and spelling.has_64_bits(expression):
+    value = translator.to_c(expression)
+    if bits == 32 and translator.has_64_bits(expression):
         value = CCast("uint32_t", value)
     return CFunction(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
 
 
-def wide_number_function(spelling: ParameterSpelling, name: str, expression: Expression, about: str) -> CFunction:
+def wide_number_function(translator: ExpressionTranslator, name: str, expression: Expression, about: str) -> CFunction:
     """Return the function for an expression, with a 64-bit result. ``about`` is the comment on it."""
-    value = spelling.expression_of(expression)
+    value = translator.to_c(expression)
     # A power of two is computed in 64 bits, and so is what follows it.
     begins_with_power = bool(expression.terms) and expression.terms[0].is_power
     is_wide_constant = expression.is_constant and expression.constant > 0xFFFFFFFF

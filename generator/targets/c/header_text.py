@@ -260,15 +260,14 @@ def without_settings(text: str, settings: Collection[str]) -> str:
     for line in text.splitlines(keepends=True):
         directive, _, macro = line.rstrip().partition(" ")
         if directive.startswith("#if"):
-            is_on_setting = macro in settings
-            keeps_lines = not is_on_setting or directive == "#ifndef"
-            conditions.append(_OpenCondition(is_on_setting=is_on_setting, keeps_lines=keeps_lines))
-        innermost = conditions[-1] if conditions else None
-        is_on_setting = innermost is not None and innermost.is_on_setting
-        if innermost is not None and is_on_setting and directive == "#else":
-            innermost.keeps_lines = not innermost.keeps_lines
-        is_directive_on_setting = is_on_setting and directive in {"#ifdef", "#ifndef", "#else", "#endif"}
-        if not is_directive_on_setting and all(condition.keeps_lines for condition in conditions):
+            keeps_lines = macro not in settings or directive == "#ifndef"
+            conditions.append(_OpenCondition(is_on_setting=macro in settings, keeps_lines=keeps_lines))
+        is_directive = directive in {"#ifdef", "#ifndef", "#else", "#endif"}
+        # A directive that belongs to a condition on a setting is left out.
+        is_left_out = is_directive and bool(conditions) and conditions[-1].is_on_setting
+        if is_left_out and directive == "#else":
+            conditions[-1].keeps_lines = not conditions[-1].keeps_lines
+        if not is_left_out and all(condition.keeps_lines for condition in conditions):
             kept_lines.append(line)
         if directive == "#endif":
             conditions.pop()
@@ -334,7 +333,7 @@ class WordLength:
 
     most_bits: int
     buffer_bytes: int
-    varies: bool
+    is_variable: bool
 
     @property
     def fits_one_load(self) -> bool:
@@ -349,9 +348,9 @@ def cut_biss_receiver(runtime: str, length: WordLength) -> str:
     refuses lengths that no word of the encoder has.
     """
     if length.fits_one_load:
-        condition = _RECEIVED_SLOWLY if length.varies else "received < 57U"
+        condition = _RECEIVED_SLOWLY if length.is_variable else "received < 57U"
         return _replace_block(runtime, _RECEIVED_SLOWLY, replacement=_REFUSAL.format(condition=condition))
-    if length.most_bits > _MOST_BITS_LOADED_AT_ONCE and not length.varies:
+    if length.most_bits > _MOST_BITS_LOADED_AT_ONCE and not length.is_variable:
         slow_way = _body_of_block(runtime, _RECEIVED_SLOWLY)
         start = runtime.index(f"    if ({_RECEIVED_SLOWLY})")
         end = runtime.index("\n}\n", start)

@@ -70,8 +70,8 @@ class FrameSelector:
         self.dispatch = dispatch
         self.function_of_bytes = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_frame"
         self.function_of_value = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_for"
-        choice = context.choices.get((dispatch.branches[0].layout.name, dispatch.selector.name))
-        self._names = choice.names if choice is not None else {}
+        choice = context.enumeration_by_field.get((dispatch.branches[0].layout.name, dispatch.selector.name))
+        self._names = choice.constant_by_value if choice is not None else {}
 
     @property
     def value(self) -> CExpression:
@@ -94,7 +94,7 @@ class ReplyRequest:
     """
 
     codec: StructCodec
-    initial: str
+    initializer: str
     take_function: str
     latest_reply_us: int
     repeated_members: tuple[str, ...]
@@ -202,7 +202,7 @@ class InterfaceCode:
         bytes_on_line = (exchanged.request.widest + reply.widest) // 8
         return ReplyRequest(
             codec=codec,
-            initial=codec.struct.initializer(parameters, values),
+            initializer=codec.struct.initializer(parameters, values),
             take_function=_take_function(exchanged),
             latest_reply_us=ANSWER_US + _time_on_line_us(ports[0], bytes_on_line),
             # C does not compare texts by !=.

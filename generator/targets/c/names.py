@@ -169,21 +169,21 @@ def describe_path(path: Path) -> str:
 class HeaderNames:
     """The names that one header declares at file scope, and the clashes between them.
 
-    ``paths`` contains the part of the spec that each name comes from. It is the first part that declares the name. Any
-    other part with the same name is a clash.
+    ``path_by_name`` contains the part of the spec that each name comes from. It is the first part that declares the
+    name. Any other part with the same name is a clash.
     """
 
     def __init__(self, declared: Iterable[DeclaredName]) -> None:
-        self.paths: dict[str, Path] = {}
+        self.path_by_name: dict[str, Path] = {}
         self.clashes: list[NameClash] = []
         for name, path in declared:
-            if name not in self.paths:
-                self.paths[name] = path
+            if name not in self.path_by_name:
+                self.path_by_name[name] = path
             elif path:
-                self.clashes.append(NameClash(name=name, path=path, other=self.paths[name]))
+                self.clashes.append(NameClash(name=name, path=path, other=self.path_by_name[name]))
             else:
                 # Every header declares this name, so the earlier part is the one to rename.
-                self.clashes.append(NameClash(name=name, path=self.paths[name], other=()))
+                self.clashes.append(NameClash(name=name, path=self.path_by_name[name], other=()))
 
 
 def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
@@ -220,7 +220,7 @@ def clashes(headers: Iterable[tuple[Device, HeaderNames]]) -> Iterator[tuple[Dev
             yield device, NameClash(name=device.manufacturer.name, path=("manufacturer",), other=())
         for clash in names.clashes:
             yield device, clash
-        for name, path in names.paths.items():
+        for name, path in names.path_by_name.items():
             if name in declared_paths:
                 yield device, NameClash(name=name, path=path or ("device",), other=declared_paths[name])
             # For the families that follow, a name belongs to the family rather than to a part of it.

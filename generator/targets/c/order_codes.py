@@ -82,11 +82,12 @@ def patterns_of_expression(expression: str) -> tuple[str, ...]:
         patterns_of_units: list[tuple[str, ...]] = []
         start = 0
         while start < len(alternative):
-            match = _PATTERN_UNIT.match(alternative, start)
-            if match is None:
+            unit_match = _PATTERN_UNIT.match(alternative, start)
+            if unit_match is None:
                 return ()
-            patterns_of_units.append(_repeat_unit(match, is_last=match.end() == len(alternative)))
-            start = match.end()
+            start = unit_match.end()
+            patterns_of_units.append(_repeat_unit(unit_match, is_last=start == len(alternative)))
+        # A unit without patterns is not supported.
         if not all(patterns_of_units):
             return ()
         patterns += map("".join, itertools.product(*patterns_of_units))
@@ -95,26 +96,26 @@ def patterns_of_expression(expression: str) -> tuple[str, ...]:
     return tuple(sorted(patterns, key=len, reverse=True))
 
 
-def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
+def _repeat_unit(unit_match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
     """Return the patterns that a unit of a regular expression stands for, the longest first.
 
     In patterns, ``#`` is a digit and ``~`` a digit that may be missing. ``[0-9]{1,2}`` gives ``##`` and ``#``, or at
     the end of an expression the single pattern ``#~``. The result is empty if there is no mark for the characters, or
     if they are repeated too often.
     """
-    mark = _mark_of_characters(match["unit"])
-    if match["maybe"]:
-        fewest, most = 0, 1
+    mark = _mark_of_characters(unit_match["unit"])
+    if unit_match["maybe"]:
+        fewest_repeats, most_repeats = 0, 1
     else:
-        fewest = int(match["least"] or 1)
-        most = int(match["most"] or fewest)
-    # Each number of repetitions can be a pattern.
-    if not mark or most > _MOST_PATTERNS:
+        fewest_repeats = int(unit_match["least"] or 1)
+        most_repeats = int(unit_match["most"] or fewest_repeats)
+    # Each number of repeats can be a pattern.
+    if not mark or most_repeats > _MOST_PATTERNS:
         return ()
     if mark == "#" and is_last:
-        required_digits, optional_digits = "#" * fewest, "~" * (most - fewest)
+        required_digits, optional_digits = "#" * fewest_repeats, "~" * (most_repeats - fewest_repeats)
         return (required_digits + optional_digits,)
-    return tuple(mark * count for count in range(most, fewest - 1, -1))
+    return tuple(mark * repeats for repeats in range(most_repeats, fewest_repeats - 1, -1))
 
 
 def _mark_of_characters(unit: str) -> str:
@@ -221,7 +222,7 @@ class _Codes:
 
     def __init__(self, device: Device) -> None:
         self._device = device
-        self.names = tuple(part.name for part in device.order_code.parts)
+        self.part_names = tuple(part.name for part in device.order_code.parts)
         #: Indices of the order codes by the names of some parts and by their texts.
         self._indices: dict[tuple[str, ...], dict[tuple[str, ...], list[int]]] = {}
 
@@ -262,25 +263,27 @@ def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
     """
     choices_and_indices: list[tuple[Mapping[str, _Choice], int | None]] = []
     for choices in itertools.product(*spelling.choices):
-        part_choices = dict(zip(codes.names, choices, strict=True))
+        part_choices = dict(zip(codes.part_names, choices, strict=True))
         choices_and_indices.append((part_choices, codes.first_index(part_choices)))
     # The combinations with open parts that lead to an order code.
-    allowed: set[tuple[_Choice, ...]] = set()
-    for choice_by_part, index in choices_and_indices:
-        if index is not None and _parts_with_pattern(choice_by_part):
-            allowed.add(tuple(choice_by_part.values()))
+    open_combinations: set[tuple[_Choice, ...]] = set()
+    for choice_by_part, order_code_index in choices_and_indices:
+        if order_code_index is not None and _parts_with_pattern(choice_by_part):
+            open_combinations.add(tuple(choice_by_part.values()))
     patterns_of_parts = [_list_patterns(choices) for choices in spelling.choices]
     open_codes_of_spelling = []
-    for choice_by_part, index in choices_and_indices:
+    for choice_by_part, order_code_index in choices_and_indices:
         unlisted = _parts_with_pattern(choice_by_part)
-        if index is None:
-            is_needed = _is_matched_by_open_pattern(tuple(choice_by_part.values()), patterns_of_parts, allowed)
+        if order_code_index is None:
+            combination = tuple(choice_by_part.values())
+            is_needed = _is_matched_by_open_pattern(combination, patterns_of_parts, open_combinations)
         else:
             is_needed = bool(unlisted) or not spelling.is_listed
         if is_needed:
             shown_texts = {name: choice.shown for name, choice in choice_by_part.items()}
             label_pattern = fill_pattern(without_blanks(spelling.pattern), shown_texts)
-            open_codes_of_spelling.append(OpenCode(pattern=label_pattern, order_code_index=index, unlisted=unlisted))
+            open_code = OpenCode(pattern=label_pattern, order_code_index=order_code_index, unlisted=unlisted)
+            open_codes_of_spelling.append(open_code)
     return sorted(open_codes_of_spelling, key=lambda open_code: len(open_code.unlisted))
 
 

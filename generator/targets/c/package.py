@@ -130,7 +130,7 @@ class FramesWithCrc:
 
     crc: Crc
     names: tuple[str, ...]
-    residual: UndetectedErrors
+    undetected_errors: UndetectedErrors
 
 
 class _KindOfFrames(NamedTuple):
@@ -186,7 +186,7 @@ def _group_frames_by_crc(devices: tuple[Device, ...]) -> Iterator[FramesWithCrc]
     for kind_of_frames, crc_by_name in sorted(crcs_by_kind.items()):
         first_crc = next(iter(crc_by_name.values()))
         undetected_errors = undetected_errors_of(first_crc, kind_of_frames.bits)
-        yield FramesWithCrc(crc=first_crc, names=tuple(crc_by_name), residual=undetected_errors)
+        yield FramesWithCrc(crc=first_crc, names=tuple(crc_by_name), undetected_errors=undetected_errors)
 
 
 def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -194,7 +194,7 @@ def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
     for device in devices:
         for reporting in reportings(device).values():
             rules = reporting.verdict_rules
-            if rules is not None and rules.otherwise is Verdict.UNKNOWN and not rules.worst_first:
+            if rules is not None and rules.default_verdict is Verdict.UNKNOWN and not rules.worst_first:
                 yield _frame_name(device, interface=reporting.interface.title, layout=reporting.layout_plan.layout)
 
 
@@ -281,11 +281,11 @@ class Package(Named):
 
 
 def package_files(
-    views: Sequence[DeviceView], runtime: Iterable[str], tests: Iterable[str], render: Render
+    views: Sequence[DeviceView], runtime_headers: Iterable[str], test_paths: Iterable[str], render: Render
 ) -> dict[str, str]:
     """Return the files of the package that all families share, such as the README, by their path in the C folder.
 
-    ``runtime`` and ``tests`` are the paths of files that other functions return, for lists of files in the package.
+    ``runtime_headers`` and ``test_paths`` are files that other functions return, for lists of files in the package.
     """
     examples = [example for view in views for example in example_codes(view)]
     programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
@@ -303,10 +303,10 @@ def package_files(
         "with_tables": _makers_with_crc(views, lambda crc: not crc.can_be_bitwise and bool(crc.table)),
         "with_bitwise": _makers_with_crc(views, lambda crc: crc.can_be_bitwise),
         "longest": _longest_procedure(views),
-        "headers": [*_headers_of_families(views), *(f"{FOLDER}/{name}" for name in runtime)],
-        "runtime": list(runtime),
+        "headers": [*_headers_of_families(views), *(f"{FOLDER}/{name}" for name in runtime_headers)],
+        "runtime": list(runtime_headers),
         "examples": [program.name for program in programs],
-        "tests": sorted(path for path in tests if path.endswith(".c")),
+        "tests": sorted(path for path in test_paths if path.endswith(".c")),
     }
     files = {path: render(template, values) for path, template in FILES.items()}
     # A build finds the headers under the name of each manufacturer, and under a common name.
@@ -324,7 +324,7 @@ def _longest_procedure(views: Iterable[DeviceView]) -> ProcedureCode | None:
     procedures: list[ProcedureCode] = []
     for view in views:
         procedures += [procedure for procedure in view.procedures if procedure.arguments]
-    return max(procedures, key=lambda procedure: procedure.count, default=None)
+    return max(procedures, key=lambda procedure: procedure.step_count, default=None)
 
 
 def _headers_of_families(views: Iterable[DeviceView]) -> list[str]:
@@ -376,20 +376,21 @@ class Guide:
         return isinstance(self.example.interface, Biss)
 
     @property
-    def bits(self) -> str:
+    def bits_macro(self) -> str:
         """The macro of the length of its frame in bits, for a receiver."""
-        variant = self.example.row.variant
-        frames = (frame for frame in self.example.received if frame.variant is variant)
+        variant = self.example.code_row.variant
+        sizes = (size for size in self.example.received_sizes if size.variant is variant)
         # The first of its two macros takes the bits, the second takes the bytes.
-        macros = self.example.view.lengths.macros_of(first_or_raise(frames, f"frame received from {variant.code}"))
+        frame_size = first_or_raise(sizes, f"frame received from {variant.code}")
+        macros = self.example.view.frame_lengths.macros_of(frame_size)
         return first_or_raise(macros, f"macro for the length of the frames of {variant.code}").name
 
     @property
     def shown_number(self) -> str:
         """The name in the spec of the position, or else of the first number of the frame, or else ``no_data``."""
-        plan = self.example.struct.plan
+        plan = self.example.struct.layout_plan
         number_names = [joined_number.join.name for joined_number in plan.joined_numbers]
-        number_names += [part.field.name for part in plan.decoded_fields]
+        number_names += [decoded_field.name for decoded_field in plan.decoded_fields]
         for name in number_names:
             if c_name(name) == self.example.position_member:
                 return name
@@ -422,14 +423,14 @@ def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     programs_by_family = Counter(program.view.device.name for program in examples)
 
     def preference(program: ExampleCode) -> tuple[int, int]:
-        number_of_steps = program.shown_procedure.code.count if program.shown_procedure else 0
+        number_of_steps = program.shown_procedure.procedure_code.step_count if program.shown_procedure else 0
         return programs_by_family[program.view.device.name], number_of_steps
 
     example = max(examples, key=preference)
     family = example.view.device.name
     # A register that is one plain byte has no struct.
     registers_with_struct = [register for register in example.shown_registers if register.access.struct]
-    only_writes = example.shown_procedure is not None and not example.shown_procedure.code.reads
+    only_writes = example.shown_procedure is not None and not example.shown_procedure.procedure_code.read_members
     example_first = sorted(examples, key=lambda program: program is not example)
     return Guide(
         example=example,

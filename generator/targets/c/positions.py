@@ -10,9 +10,12 @@ from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
 from .codec import StructCodec
 from .context import AlternativeCode, HeaderContext
-from .expressions import CCast, CExpression, CFunction, CNumber, ParameterSpelling, wide_number_function
+from .expressions import CCast, CExpression, CFunction, CNumber, ExpressionTranslator, wide_number_function
 from .names import DeclaredName, c_name
 from .variants import CodeRow, LengthCode
+
+#: C expression for the size of any array.
+_SIZE_OF_ANY_ARRAY = "sizeof(rx)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,16 +118,16 @@ def _build_positions(context: HeaderContext, measurement: Measurement) -> Positi
 def _angle_positions(context: HeaderContext, measurement: Measurement, counts_per_turn: Expression) -> AnglePositions:
     """Return the functions that convert counts to turns and degrees."""
     ranges = position_ranges(context.device, context.interface)
-    where = f"[{cite(measurement.source)}]"
+    citation = f"[{cite(measurement.source)}]"
     per_turn = wide_number_function(
-        context.spelling,
+        context.translator,
         name=f"{context.prefix}_counts_per_turn",
         expression=counts_per_turn,
-        about=f"Return the number of counts in one revolution {where}.",
+        about=f"Return the number of counts in one revolution {citation}.",
     )
     return AnglePositions(
         prefix=context.prefix,
-        citation=where,
+        citation=citation,
         is_signed=any(position_range.signed_field is not None for position_range in ranges),
         counts_per_turn=per_turn,
         ranges=tuple(_range_functions(context, ranges)),
@@ -142,11 +145,11 @@ def _length_positions(
         citation=f"[{cite(measurement.source)}]",
         is_signed=any(position_range.signed_field is not None for position_range in ranges),
         ranges=tuple(_range_functions(context, ranges)),
-        step=_cast_to_signed(context.spelling, step),
+        step=_cast_to_signed(context.translator, step),
         step_varies=not all(expression.is_constant for expression in measurement.steps),
         unit=unit,
         units_per_millimetre=per_mm,
-        per_counts=_cast_to_signed(context.spelling, per_counts) if per_counts is not None else None,
+        per_counts=_cast_to_signed(context.translator, per_counts) if per_counts is not None else None,
     )
 
 
@@ -179,7 +182,7 @@ def _functions_of_range(
         is_signed=position_range.signed_field is not None,
         never_wraps=position_range.never_wraps,
         modulus=_build_modulus(context, position_range, f"{context.prefix}_{frame_in_names}modulus"),
-        turns=context.spelling.expression_of(turns) if turns is not None else None,
+        turns=context.translator.to_c(turns) if turns is not None else None,
         is_one_turn=turns == Expression(1),
         layouts=layouts,
     )
@@ -197,14 +200,14 @@ def _build_modulus(context: HeaderContext, position_range: PositionRange, name: 
         about += f" The highest position is {measurement.highest.render()}."
     elif measurement.highest is not None:
         about += f" An offset raises all positions, up to {measurement.highest.render()}."
-    return wide_number_function(context.spelling, name=name, expression=measurement.modulus, about=about)
+    return wide_number_function(context.translator, name=name, expression=measurement.modulus, about=about)
 
 
-def _cast_to_signed(spelling: ParameterSpelling, expression: Expression) -> CExpression:
+def _cast_to_signed(translator: ExpressionTranslator, expression: Expression) -> CExpression:
     """Return an expression as a number with a sign, such as ``(int64_t)variant.step``."""
     if expression.is_constant:
         return CNumber(expression.constant, signed=True)
-    return CCast("int64_t", spelling.expression_of(expression))
+    return CCast("int64_t", translator.to_c(expression))
 
 
 class ReadCode:
@@ -220,7 +223,7 @@ class ReadCode:
         self.frame = frame
         self.reads_twice = reads_twice
         self._context = context
-        self._lengths = lengths
+        self._frame_lengths = lengths
         self.macro = f"{context.PREFIX}_READ"
 
     def declared(self) -> Iterator[DeclaredName]:
@@ -237,7 +240,7 @@ class ReadCode:
     @property
     def takes_word(self) -> bool:
         """True if a macro takes a word as a number, since SPI peripherals exchange words of 16 or 32 bits."""
-        is_word = self.frame is not None and not self.frame.plan.in_bytes and not self.frame.word_has_length
+        is_word = self.frame is not None and not self.frame.layout_plan.in_bytes and not self.frame.word_has_length
         return is_word and isinstance(self._context.interface, Spi)
 
     @property
@@ -253,17 +256,17 @@ class ReadCode:
         """
         if self.frame is None:
             return ""
-        if self._lengths.macros and self.frame.struct.layout.name in self._lengths.layouts:
+        if self._frame_lengths.macros and self.frame.struct.layout.name in self._frame_lengths.layout_names:
             return self.buffer_macro(self.frame)
-        if self.frame.plan.in_bytes:
+        if self.frame.layout_plan.in_bytes:
             return self.frame.length_macro
-        return f"{self._word_bytes}U" if self._word_bytes else "sizeof(rx)"
+        return f"{self._word_bytes}U" if self._word_bytes else _SIZE_OF_ANY_ARRAY
 
     @property
     def _is_spi_word(self) -> bool:
         """True if the frame with the position is a word over SPI."""
         is_spi = isinstance(self._context.interface, Spi)
-        return is_spi and self.frame is not None and not self.frame.plan.in_bytes
+        return is_spi and self.frame is not None and not self.frame.layout_plan.in_bytes
 
     @property
     def is_padded(self) -> bool:
@@ -291,7 +294,7 @@ class ReadCode:
         user's answer to an open question.
         """
         # If there are several frames, the name includes the name of the frame.
-        layout_names = [frame.struct.layout.name.upper()] if len(self._lengths.layouts) > 1 else []
+        layout_names = [frame.struct.layout.name.upper()] if len(self._frame_lengths.layout_names) > 1 else []
         answers = [f"##{question.argument}##" for question in frame.length_alternatives]
         return "_".join((f"{self._context.PREFIX}_##code##", *layout_names, *answers, "RX_BYTES"))
 
@@ -305,16 +308,16 @@ class ReadCode:
             # Bits to bytes, rounded up.
             return str((sent_bits + 7) // 8)
         buffer_size = self.expected_size
-        if buffer_size == "sizeof(rx)":
+        if buffer_size == _SIZE_OF_ANY_ARRAY:
             return ""
         for question in self.questions:
-            first_answer = question.alternative.answers[0].name.upper()
+            first_answer = question.spec_question.answers[0].name.upper()
             buffer_size = buffer_size.replace(f"##{question.argument}##", first_answer)
         return buffer_size.replace("##code##", row.name_in_macros)
 
     def arguments_of(self, order_code: str) -> str:
         """Return the first arguments of a macro for an order code and the first answers, such as ``X24, WIDE``."""
-        answers = (question.alternative.answers[0].name.upper() for question in self.questions)
+        answers = (question.spec_question.answers[0].name.upper() for question in self.questions)
         return ", ".join((order_code, *answers))
 
 
@@ -334,7 +337,7 @@ class ChannelCode:
         self.compared: list[tuple[str, CExpression]] = []
         for channel_field in frame.compared:
             member = f"{c_name(channel_field.layout.name)}.{c_name(channel_field.name)}"
-            self.compared.append((member, context.spelling.expression_of(channel_field.width)))
+            self.compared.append((member, context.translator.to_c(channel_field.width)))
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names of the struct, its functions and its macros."""
@@ -361,7 +364,7 @@ class ChannelCode:
 
     @property
     def compared_bits(self) -> CExpression:
-        return self._context.spelling.expression_of(self._frame.compared_bits)
+        return self._context.translator.to_c(self._frame.compared_bits)
 
     @property
     def tolerance(self) -> int:
@@ -387,7 +390,7 @@ class ChannelCode:
     def judging_codecs(self) -> list[StructCodec]:
         """The channels without the position whose flags decide whether the position is usable (its verdict)."""
         other_codecs = (codec for codec in self.codecs if codec is not self.position_codec)
-        return [codec for codec in other_codecs if codec.reports is not None and codec.reports.verdict]
+        return [codec for codec in other_codecs if codec.reports is not None and codec.reports.verdict_function]
 
 
 def channel_code(context: HeaderContext, codecs: Sequence[StructCodec]) -> ChannelCode | None:

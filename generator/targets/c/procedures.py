@@ -103,35 +103,35 @@ RegisterAccess = WriteRegister | ReadRegister | PollRegister | VerifyWrite
 class ProcedureCode:
     """The C code of a procedure, such as setting a preset.
 
-    ``function`` is the name of the function that carries it out, and ``steps`` of the function that returns its steps.
+    ``function_name`` is the name of the function that carries it out, and ``steps_function`` of the one that returns
+    its steps.
     """
 
     def __init__(
         self, context: HeaderContext, registers: Mapping[str, RegisterCode], read_state: str, procedure: Procedure
     ) -> None:
         self.context = context
-        self.registers = registers
-        self.plan = run = plan_procedure(context.device, procedure)
-        self.function = f"{context.prefix}_{procedure.name}"
-        self.steps = f"{self.function}_steps"
-        self.count_macro = f"{self.steps}_count".upper()
-        self._names = {
-            parameter.argument.name: c_name(parameter.argument.name, _NAMES_OF_LOCALS) for parameter in run.arguments
-        }
+        self.register_code_by_name = registers
+        self.procedure_plan = procedure_plan = plan_procedure(context.device, procedure)
+        self.function_name = f"{context.prefix}_{procedure.name}"
+        self.steps_function = f"{self.function_name}_steps"
+        self.count_macro = f"{self.steps_function}_count".upper()
+        argument_names = [argument.name for argument in procedure.arguments]
+        self._c_name_by_argument = {name: c_name(name, _NAMES_OF_LOCALS) for name in argument_names}
         #: Registers that take an argument in a member, and as a whole, each by argument and register.
         self._filled_registers = dict(self._yield_filled_registers())
         self._whole_registers = dict(self._yield_whole_registers())
         #: The registers whose written value changes the limits of later steps.
-        self._registers_setting_limits = {
-            step.register.name for step in run.operations if isinstance(step, WriteRegister) and step.determines_limits
-        }
-        self.arguments = [self._build_argument(parameter) for parameter in run.arguments]
+        writes = [step for step in procedure_plan.operations if isinstance(step, WriteRegister)]
+        self._registers_setting_limits = {write.register.name for write in writes if write.determines_limits}
+        self.arguments = [self._build_argument(parameter) for parameter in procedure_plan.arguments]
         self.rows = list(self._yield_rows())
-        self.count = sum(map(_number_of_rows, run.operations))
-        self.reads = list(self._yield_read_members())
+        self.step_count = sum(map(_number_of_rows, procedure_plan.operations))
+        self.read_members = list(self._yield_read_members())
         self.about = about_procedure(context.device, procedure)
-        #: The comment on ``function``.
-        self.run_about = [*self.about, *about_run(context.device, run, read_state), *self._document_parameters()]
+        #: The comment on ``function_name``.
+        about_function = about_run(context.device, procedure_plan, read_state)
+        self.run_about = [*self.about, *about_function, *self._document_parameters()]
 
     @property
     def filled(self) -> list[FilledRegister]:
@@ -141,12 +141,12 @@ class ProcedureCode:
     @property
     def read_type(self) -> str:
         """Struct for the bytes read, or an empty string if there are none."""
-        return f"{self.function}_read" if self.reads else ""
+        return f"{self.function_name}_read" if self.read_members else ""
 
     @property
     def read_bytes(self) -> int:
         """The number of bytes that the procedure reads."""
-        return sum(member.length for member in self.reads)
+        return sum(member.length for member in self.read_members)
 
     @property
     def whole_registers(self) -> list[WholeRegister]:
@@ -192,17 +192,17 @@ class ProcedureCode:
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with the path of the procedure in the spec."""
-        for name in (self.steps, self.count_macro, self.function, self.read_type):
+        for name in (self.steps_function, self.count_macro, self.function_name, self.read_type):
             if name:
-                yield name, ("procedures", self.plan.procedure.name)
+                yield name, ("procedures", self.procedure_plan.procedure.name)
 
     def _document_parameters(self) -> Iterator[Paragraph]:
-        """Yield the comment on each parameter of ``function``, or nothing if the procedure has no arguments."""
+        """Yield the comment on each parameter of ``function_name``, or nothing if the procedure has no arguments."""
         if self.arguments:
             yield "@param transport ", "Your bus access functions."
             yield "@param variant ", "The order code."
             yield from ((f"@param {argument.name} ", argument.about) for argument in self.arguments)
-            if self.reads:
+            if self.read_members:
                 yield "@param out ", "The bytes read, unchanged on error."
             yield "@param failure ", "Details of a failed step, or NULL."
 
@@ -223,7 +223,7 @@ class ProcedureCode:
         return ArgumentCode(
             checked_argument=parameter,
             type=self._argument_type(parameter.writes[0]),
-            name=self._names[parameter.argument.name],
+            name=self._c_name_by_argument[parameter.argument.name],
             about=about_argument(self.context.device, parameter.argument),
             refusals=tuple(refusals),
         )
@@ -231,7 +231,7 @@ class ProcedureCode:
     def _byte_refusals(self, write: WriteRegister) -> Iterator[ArgumentRefusal]:
         """Yield the reasons to reject an argument that is a register of one byte, which has no encoder to check it."""
         match write.value:
-            case AsMember(argument, member) if self.registers[write.register.name].is_plain:
+            case AsMember(argument, member) if self.register_code_by_name[write.register.name].is_plain:
                 field = write.register.layout.field(member)
                 yield from field_refusals(self.context.device, write.register, field, argument)
 
@@ -240,8 +240,8 @@ class ProcedureCode:
         match write.value:
             case InField(field=field):
                 return unsigned(field.widest)
-            case AsMember(member=member) if not self.registers[write.register.name].is_plain:
-                return self.registers[write.register.name].struct.member_type(member)
+            case AsMember(member=member) if not self.register_code_by_name[write.register.name].is_plain:
+                return self.register_code_by_name[write.register.name].struct.member_type(member)
             case AsMember() | AsNumber() | FixedNumber():
                 return unsigned(8 * write.register.length)
             case _:
@@ -252,22 +252,22 @@ class ProcedureCode:
 
         A register has a struct unless it is one plain byte.
         """
-        for parameter in self.plan.arguments:
+        for parameter in self.procedure_plan.arguments:
             argument = parameter.argument.name
             member_by_register: dict[str, str] = {}
             for write in parameter.writes:
-                is_plain = self.registers[write.register.name].is_plain
+                is_plain = self.register_code_by_name[write.register.name].is_plain
                 if isinstance(write.value, AsMember) and not is_plain:
                     member_by_register[write.register.name] = write.value.member
             for index, (register, member) in enumerate(member_by_register.items()):
                 # The first register of an argument needs no name of its own.
                 stem = argument if index == 0 else f"{argument}_{register}"
                 filled_register = FilledRegister(
-                    code=self.registers[register],
-                    argument=self._names[argument],
+                    code=self.register_code_by_name[register],
+                    argument=self._c_name_by_argument[argument],
                     member=member,
-                    struct_local=c_name(f"{stem}_register", self._names),
-                    bytes_local=c_name(f"{stem}_bytes", self._names),
+                    struct_local=c_name(f"{stem}_register", self._c_name_by_argument),
+                    bytes_local=c_name(f"{stem}_bytes", self._c_name_by_argument),
                 )
                 yield (argument, register), filled_register
 
@@ -276,7 +276,7 @@ class ProcedureCode:
 
         A register is included only if its decoder can reject the number, or if a later limit depends on the register.
         """
-        for parameter in self.plan.arguments:
+        for parameter in self.procedure_plan.arguments:
             argument = parameter.argument.name
             undecodable = [refusal for refusal in parameter.refusals if isinstance(refusal, Undecodable)]
             checked_registers = {refusal.register.name for refusal in undecodable}
@@ -285,9 +285,9 @@ class ProcedureCode:
                 is_checked = register in checked_registers or write.determines_limits
                 if isinstance(write.value, AsNumber) and is_checked:
                     whole_register = WholeRegister(
-                        code=self.registers[register],
-                        struct_local=c_name(f"{argument}_{register}_held", self._names),
-                        bytes_local=c_name(f"{argument}_{register}_sent", self._names),
+                        code=self.register_code_by_name[register],
+                        struct_local=c_name(f"{argument}_{register}_held", self._c_name_by_argument),
+                        bytes_local=c_name(f"{argument}_{register}_sent", self._c_name_by_argument),
                         values=tuple(self._byte_value(write, bit_slice) for bit_slice in write.bit_slices),
                     )
                     yield (argument, register), whole_register
@@ -297,7 +297,7 @@ class ProcedureCode:
     def _yield_rows(self) -> Iterator[StepRow | FilledRows]:
         """Yield the rows of the list of steps. A step on several bytes of a register has a row for each byte."""
         index = 0
-        for step in self.plan.operations:
+        for step in self.procedure_plan.operations:
             note = note_of_step(self.context.device, step)
             if isinstance(step, (WaitTime, SendRequest)):
                 yield StepRow(index=index, operation=step, note=note)
@@ -343,7 +343,7 @@ class ProcedureCode:
 
     def _address(self, register: Register, byte: int) -> str:
         """Return the address of a byte of a register as C, such as ``ACME_X_REG_PRESET_ADDRESS + 1U``."""
-        macro = f"{self.registers[register.name].stem}_ADDRESS"
+        macro = f"{self.register_code_by_name[register.name].stem}_ADDRESS"
         distance = register.address_of(byte) - register.address
         return f"{macro} + {distance}U" if distance else macro
 
@@ -386,7 +386,7 @@ class ProcedureCode:
         if isinstance(value, FixedNumber):
             bits_of_slice = (value.number >> bit_slice.low_in_number) & bit_slice.mask
             return CNumber(bits_of_slice << bit_slice.low_in_byte, hexadecimal=True)
-        bits = shifted_right(CName(self._names[value.argument.name]), bit_slice.low_in_number)
+        bits = shifted_right(CName(self._c_name_by_argument[value.argument.name]), bit_slice.low_in_number)
         if bit_slice.mask != 0xFF:
             return CCast("uint8_t", shifted_left(masked(bits, bit_slice.mask), bit_slice.low_in_byte))
         is_whole_byte = isinstance(value, AsNumber) and len(step.bit_slices) == 1
@@ -399,7 +399,7 @@ class ProcedureCode:
         """
         used_names: set[str] = set()
         first_byte = 0
-        for read in self.plan.reads:
+        for read in self.procedure_plan.reads:
             length = len(read.bit_slices)
             stem = read.register.name
             if length != read.register.length and read.field is not None:

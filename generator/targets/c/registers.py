@@ -53,15 +53,15 @@ class RegisterFunctions:
         #: The only field of a plain byte.
         self._byte_field = register.layout.fields[0]
         #: The named values of the byte, empty if it can have any value.
-        self.values: tuple[int, ...] = ()
-        for check in layout.plan.checks:
+        self.valid_values: tuple[int, ...] = ()
+        for check in layout.layout_plan.checks:
             if isinstance(check, IsOneOf):
-                self.values = check.values
+                self.valid_values = check.values
                 break
         self.type = self.struct or self._type_of_byte()
         is_written = register.writable and not register.reserved
-        self.read = f"{context.prefix}_read_{register.name}" if register.readable else ""
-        self.write = f"{context.prefix}_write_{register.name}" if is_written else ""
+        self.read_function = f"{context.prefix}_read_{register.name}" if register.readable else ""
+        self.write_function = f"{context.prefix}_write_{register.name}" if is_written else ""
         self.read_about = self._build_comment(writes=False)
         self.write_about = self._build_comment(writes=True)
         #: The macro of the address that selects its bank, empty if it is in no bank, and the byte to write there.
@@ -72,7 +72,7 @@ class RegisterFunctions:
 
     def _type_of_byte(self) -> str:
         """Return the type of a plain byte: the type of its named values, if it has any."""
-        choice = self._struct.choice(self._byte_field)
+        choice = self._struct.named_values(self._byte_field)
         return choice.type if choice is not None else "uint8_t"
 
     def _build_comment(self, *, writes: bool) -> tuple[Paragraph, ...]:
@@ -98,7 +98,7 @@ class RegisterFunctions:
 
         ``is_raw`` is True if the variable ``name`` contains the byte as read, rather than a value of the enumeration.
         """
-        return self._struct.is_none_of(self._byte_field, CName(name), self.values, is_raw)
+        return self._struct.is_none_of(self._byte_field, CName(name), self.valid_values, is_raw)
 
     @property
     def write_uses_variant(self) -> bool:
@@ -144,7 +144,7 @@ class RegisterCode:
     def __init__(self, context: HeaderContext, register: Register) -> None:
         self.context = context
         self.device = context.device
-        self.spelling = context.spelling
+        self.translator = context.translator
         self.register = register
         self.layout = register.layout
         self.name = f"{context.prefix}_reg_{register.name}"
@@ -153,7 +153,7 @@ class RegisterCode:
         self.struct = LayoutStruct(context, self.layout, name=self.name, length_macro=length_macro, register=register)
         self.enumerations = context.enumerations.of("registers", register.name)
         # None if no value is outside the limits, or if they do not apply to a single member.
-        outside_limits = limits_check_of(self.struct.plan, limits_of(self.device, register))
+        outside_limits = limits_check_of(self.struct.layout_plan, limits_of(self.device, register))
         limit_checks = (outside_limits,) if outside_limits is not None else ()
         self.codec = None if self.is_plain else StructCodec(self.struct, limit_checks=limit_checks)
         self.access = RegisterFunctions(self.struct, has_struct=self.codec is not None, limit_checks=limit_checks)
@@ -186,10 +186,10 @@ class RegisterCode:
         for bounds in self.limits:
             yield from (name for name, _ in bounds.macros)
             yield from (function.name for function in bounds.functions)
-        if self.access.read:
-            yield self.access.read
-        if self.access.write:
-            yield self.access.write
+        if self.access.read_function:
+            yield self.access.read_function
+        if self.access.write_function:
+            yield self.access.write_function
 
     def _names_of_places(self) -> Iterator[str]:
         """Yield the macros and the functions for the places of fields."""
@@ -206,7 +206,7 @@ class RegisterCode:
         """True if the byte itself is the value, so that it needs no struct."""
         has_one_byte = self.register.length == 1
         has_one_field = len(self.layout.fields) == 1
-        return has_one_byte and has_one_field and _is_byte(self.struct.plan)
+        return has_one_byte and has_one_field and _is_byte(self.struct.layout_plan)
 
     @property
     def title(self) -> str:
@@ -246,7 +246,7 @@ class RegisterCode:
         is_longer_than_a_number = self.register.length > 8
         if self.is_plain or is_longer_than_a_number or is_whole_register:
             return ()
-        variable_fields = [field for field in fields if field.name not in self.struct.plan.constants]
+        variable_fields = [field for field in fields if field.name not in self.struct.layout_plan.constants]
         return tuple(field for field in variable_fields if not isinstance(meaning_of(field), Latin1Text))
 
     @staticmethod
@@ -296,7 +296,7 @@ class RegisterCode:
         stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
         macros: list[tuple[str, CExpression]] = []
         functions: list[CFunction] = []
-        for ending, adjective, limit in (("min", "lowest", limits.low), ("max", "highest", limits.high)):
+        for ending, adjective, limit in (("min", "lowest", limits.lowest), ("max", "highest", limits.highest)):
             if limit is None:
                 continue
             name = f"{stem}_{ending}"
@@ -314,13 +314,13 @@ class RegisterCode:
         fit, whatever the registers contain, or else ``uint64_t``.
         """
         if is_signed:
-            value = self.spelling.signed(limit)
+            value = self.translator.to_signed_c(limit)
             return CFunction(name, type="int64_t", value=value, about=about, uses_variant=True)
         unsigned_limits = [0]
         for variant in self.device.variants_over(self.register.interface):
             for parameters in parameters_at_run_time(self.device, variant):
                 unsigned_limits.append(limit.value(parameters))
-        return number_function(self.spelling, name=name, expression=limit, largest=max(unsigned_limits), about=about)
+        return number_function(self.translator, name=name, expression=limit, largest=max(unsigned_limits), about=about)
 
 
 def _is_byte(plan: LayoutPlan) -> bool:
@@ -343,12 +343,12 @@ class IdentityCode:
 
     prefix: str
     interface: Interface
-    compared: tuple[RegisterCode, ...]
+    compared_registers: tuple[RegisterCode, ...]
 
     @property
     def uses_variant(self) -> bool:
         """True if a comparison decodes a register, or if the byte to compare with depends on the order code."""
-        for register in self.compared:
+        for register in self.compared_registers:
             if register.codec is not None:
                 return True
             expected_byte = register.layout.fields[0].equals
@@ -365,7 +365,7 @@ class IdentityCode:
 def identity_codes(context: HeaderContext, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
     """Yield the identifying registers of each interface that has any. ``codes`` are all registers by name."""
     for identity in identities(context.device):
-        compared = tuple(codes[comparison.register.name] for comparison in identity.compared)
+        compared = tuple(codes[comparison.register.name] for comparison in identity.compared_registers)
         yield IdentityCode(context.prefix, context.device.interface(identity.interface), compared)
 
 

@@ -42,7 +42,7 @@ from .expressions import (
     CNumber,
     Conditional,
     COperation,
-    ParameterSpelling,
+    ExpressionTranslator,
     join_operands,
 )
 from .names import CMacro, DeclaredName, c_name, c_number, unsigned
@@ -54,7 +54,7 @@ class FrameReports:
     """The functions of a frame that return its verdict, which says whether the position is usable, and its reports.
 
     ``verdict`` and ``reports`` are the names of the functions, empty if the frame does not have the function.
-    ``choices`` contains the enumerations of named values by layout and field.
+    ``enumeration_by_field`` contains the enumerations of named values by layout and field.
     """
 
     def __init__(
@@ -65,20 +65,20 @@ class FrameReports:
         type_: str,
         choices: Mapping[tuple[str, str], CEnumeration],
     ) -> None:
-        self.family = family
+        self.family_reports = family
         self.reporting = reporting
         self.frame = frame
         self.type = type_
-        self._choices = choices
+        self._enumeration_by_field = choices
 
         self.verdict_rules = reporting.verdict_rules
-        self.verdict = f"{frame}_verdict" if reporting.verdict_rules is not None else ""
-        self.reports = f"{frame}_reports" if reporting.causes else ""
+        self.verdict_function = f"{frame}_verdict" if reporting.verdict_rules is not None else ""
+        self.reports_function = f"{frame}_reports" if reporting.causes else ""
         self._mask_of_all_unused = sum(reserved.mask for reserved in reporting.layout_plan.reserved)
 
     def names(self) -> Iterator[str]:
         """Yield the names of the functions and macros that the frame has."""
-        yield from filter(None, (self.verdict, self.reports))
+        yield from filter(None, (self.verdict_function, self.reports_function))
         yield from (mask.name for mask in self.unused_masks)
 
     @property
@@ -100,12 +100,12 @@ class FrameReports:
             applies_to_code = self._express_code_conditions(report_cause.conditions)
             condition = join_operands("&&", (*applies_to_code, self._is_active(report_cause.cause)))
             yield Conditional(
-                condition, value_if_true=self.family.constant(report_cause.report), value_if_false=CNumber(0)
+                condition, value_if_true=self.family_reports.constant(report_cause.report), value_if_false=CNumber(0)
             )
 
     def _express_code_conditions(self, code_conditions: Sequence[CodeCondition]) -> list[CExpression]:
         """Return the conditions on the order code under which a flag exists or counts, as C. Often there are none."""
-        return [_express_code_condition(self.family.spelling, condition) for condition in code_conditions]
+        return [_express_code_condition(self.family_reports.translator, condition) for condition in code_conditions]
 
     @property
     def verdict_depends_on_variant(self) -> bool:
@@ -143,14 +143,14 @@ class FrameReports:
         if isinstance(flag_or_match, FieldToDecode):
             yield CName(_struct_member(flag_or_match))
             return
-        for part, value in flag_or_match.conditions:
-            member = _struct_member(part)
-            if isinstance(part.meaning, ActiveFlag):
+        for decoded_field, value in flag_or_match.conditions:
+            member = _struct_member(decoded_field)
+            if isinstance(decoded_field.meaning, ActiveFlag):
                 # The value of a flag is 1 while it is active.
                 yield CName(member if value else f"!{member}")
             else:
-                enumeration = self._choices[self.reporting.layout_plan.layout.name, part.field.name]
-                yield COperation("==", (CName(member), CName(enumeration.names[value])))
+                enumeration = self._enumeration_by_field[self.reporting.layout_plan.layout.name, decoded_field.name]
+                yield COperation("==", (CName(member), CName(enumeration.constant_by_value[value])))
 
     @property
     def conditions_of_worse_verdicts(self) -> Iterator[tuple[CExpression, Verdict]]:
@@ -165,7 +165,7 @@ class FrameReports:
         causes_by_verdict = dict(self._causes_by_verdict)
         for verdict in Verdict:
             if verdict is Verdict.UNKNOWN and self.verdict_rules.may_be_unknown:
-                judging_bits = self.family.spelling.expression_of(self.verdict_rules.judging_bits)
+                judging_bits = self.family_reports.translator.to_c(self.verdict_rules.judging_bits)
                 yield COperation("==", (judging_bits, CNumber(0))), verdict
             else:
                 for condition in self._conditions_of_causes(causes_by_verdict.get(verdict, ())):
@@ -174,8 +174,8 @@ class FrameReports:
     def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> Iterator[CExpression]:
         """Yield the condition of each cause of a verdict. All unused bits have one condition, the last one.
 
-        A flag counts only for its order codes or answers, and only while the flags in ``unless``, which combine it with
-        others, are inactive.
+        A flag counts only for its order codes or answers, and only while its ``overriding_flags``, which it combines,
+        are inactive.
         """
         unused_fields = []
         for cause in causes:
@@ -183,7 +183,7 @@ class FrameReports:
                 unused_fields.append(cause.cause)
             else:
                 applies_to_code = self._express_code_conditions(cause.conditions)
-                combining_flags_are_inactive = [CName(f"!{_struct_member(flag)}") for flag in cause.unless]
+                combining_flags_are_inactive = [CName(f"!{_struct_member(flag)}") for flag in cause.overriding_flags]
                 conditions = (*applies_to_code, *self._conditions_of(cause.cause), *combining_flags_are_inactive)
                 yield join_operands("&&", conditions)
         if unused_fields:
@@ -214,21 +214,25 @@ class Reports:
     """
 
     def __init__(
-        self, device: Device, prefix: str, choices: Mapping[tuple[str, str], CEnumeration], spelling: ParameterSpelling
+        self,
+        device: Device,
+        prefix: str,
+        choices: Mapping[tuple[str, str], CEnumeration],
+        translator: ExpressionTranslator,
     ) -> None:
-        self.all = reports_of(device)
-        self._choices = choices
-        self.spelling = spelling
+        self.all_reports = reports_of(device)
+        self._enumeration_by_field = choices
+        self.translator = translator
         bits_in_mask = 64
-        if len(self.all) > bits_in_mask:
-            problem = f"the frames have {len(self.all)} flags, values and fields of unused bits to report"
+        if len(self.all_reports) > bits_in_mask:
+            problem = f"the frames have {len(self.all_reports)} flags, values and fields of unused bits to report"
             raise TargetError(f"{problem}; the C target supports at most {bits_in_mask}", ("interfaces",))
-        self.mask = unsigned(max(len(self.all), 32))
-        self.text = f"{prefix}_report_text"
-        self.texts = tuple(_text_members(device, report) for report in self.all)
+        self.mask_type = unsigned(max(len(self.all_reports), 32))
+        self.text_function = f"{prefix}_report_text"
+        self.texts_by_report = tuple(_text_members(device, report) for report in self.all_reports)
         type_ = f"{prefix}_report"
         constants: list[EnumConstant] = []
-        for report in self.all:
+        for report in self.all_reports:
             name = f"{type_}_{report.name}".upper()
             constants.append(EnumConstant(name=name, value=1 << report.number, note=_describe_report(device, report)))
         self.enumeration = CEnumeration(
@@ -236,18 +240,18 @@ class Reports:
             about="Reports of the encoder. The _reports() functions of the frames return a mask of these bits.",
             statements=(),
             constants=tuple(constants),
-            digits=(len(self.all) + 3) // 4,
+            hex_digits=(len(self.all_reports) + 3) // 4,
             path=(),
         )
         self._by_frame = reportings(device)
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with the part of the spec that it comes from."""
-        if self.all and self.enumeration.is_enum:
+        if self.all_reports and self.enumeration.is_enum:
             yield self.enumeration.type, ()
-        if self.all:
-            yield self.text, ()
-        for report, constant in zip(self.all, self.enumeration.constants, strict=True):
+        if self.all_reports:
+            yield self.text_function, ()
+        for report, constant in zip(self.all_reports, self.enumeration.constants, strict=True):
             yield constant.name, self._find_path(report)
 
     def of(self, layout: Layout, name: str, type_: str) -> FrameReports | None:
@@ -258,12 +262,14 @@ class Reports:
         reporting = self._by_frame.get(layout.name)
         if reporting is None:
             return None
-        return FrameReports(family=self, reporting=reporting, frame=name, type_=type_, choices=self._choices)
+        return FrameReports(
+            family=self, reporting=reporting, frame=name, type_=type_, choices=self._enumeration_by_field
+        )
 
     def constant(self, report: NumberedReport) -> CExpression:
         """Return the bit of a report, as a number of the type of the mask."""
         constant = CName(self.enumeration.constants[report.number].name)
-        return CCast(self.mask, constant) if self.enumeration.is_enum else constant
+        return CCast(self.mask_type, constant) if self.enumeration.is_enum else constant
 
     def _find_path(self, report: NumberedReport) -> Path:
         """Return the path of the first frame with this report."""
@@ -298,18 +304,18 @@ def _describe_report(device: Device, report: NumberedReport) -> str:
     return HEADER_STYLE.sentence(statement(title_of(field), unused, source=source))
 
 
-def _express_code_condition(spelling: ParameterSpelling, condition: CodeCondition) -> CExpression:
+def _express_code_condition(translator: ExpressionTranslator, condition: CodeCondition) -> CExpression:
     """Return a condition on a parameter of the order code, such as ``variant.has_error != 0U``.
 
     The parameter must not be 0 if ``condition.holds`` is True, and must be 0 otherwise.
     """
     operator = "!=" if condition.holds else "=="
-    return COperation(operator, (spelling.member(condition.parameter), CNumber(0)))
+    return COperation(operator, (translator.member(condition.parameter), CNumber(0)))
 
 
-def _struct_member(part: FieldToDecode) -> str:
+def _struct_member(decoded_field: FieldToDecode) -> str:
     """Return the member of a flag or field in the struct of a frame."""
-    return f"frame->{c_name(part.field.name)}"
+    return f"frame->{c_name(decoded_field.name)}"
 
 
 class AlarmCode:

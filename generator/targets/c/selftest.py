@@ -63,7 +63,7 @@ class FrameCheck:
     word: str
     #: The number of bits in the word, if its decoder takes it.
     length: str
-    expected: tuple[ExpectedMember, ...]
+    expected_members: tuple[ExpectedMember, ...]
     fault: str
 
 
@@ -135,7 +135,7 @@ class SelfTest:
         frames = [check.expectation for check in self.checks if isinstance(check.expectation, FrameCheck)]
         expected_members: list[ExpectedMember] = []
         for frame in frames:
-            expected_members += frame.expected
+            expected_members += frame.expected_members
         return {
             # A frame that is rejected is not encoded, so that there are no bytes to compare.
             "bytes": any(frame.data and not frame.fault for frame in frames),
@@ -190,7 +190,7 @@ class SelfTest:
 
     def _procedure_check(self, example: ProcedureExample) -> ProcedureCheck:
         """Return the check that a procedure writes the bytes of its worked example."""
-        code_by_procedure = {code.plan.procedure.name: code for code in self.view.procedures}
+        code_by_procedure = {code.procedure_plan.procedure.name: code for code in self.view.procedures}
         code = code_by_procedure[example.procedure]
         argument_names = [argument.checked_argument.argument.name for argument in code.arguments]
         written_bytes: list[tuple[str, str]] = []
@@ -248,7 +248,7 @@ class SelfTest:
         if not example.layout and not has_wrong_length:
             return
         for codec in self._yield_codecs(example):
-            if codec.plan.in_bytes:
+            if codec.layout_plan.in_bytes:
                 is_accepted = bool(example.bytes)
             else:
                 # An example states bits or bytes.
@@ -261,7 +261,7 @@ class SelfTest:
         # A word can be given as its bytes, too.
         word = int(example.bits, 2) if example.bits else int.from_bytes(example.bytes, "big")
         fault = f"CW_FAULT_{example.refused.upper()}" if example.refused else ""
-        in_bytes = codec.plan.in_bytes
+        in_bytes = codec.layout_plan.in_bytes
         length = self._express_length(codec, example) if codec.word_has_length else ""
         layout_name = codec.struct.layout.name
         members = tuple(self._expected_members(codec, layout_name, example.values)) if not fault else ()
@@ -272,7 +272,7 @@ class SelfTest:
             data=_format_bytes(example.bytes) if in_bytes else (),
             word="" if in_bytes else _format_hex(word, 64),
             length=length,
-            expected=members,
+            expected_members=members,
             fault=fault,
         )
 
@@ -294,8 +294,8 @@ class SelfTest:
         """
         arguments = ""
         for question in questions:
-            answer_names = [answer.name for answer in question.alternative.answers]
-            chosen_name = example.alternatives.get(question.alternative.name, answer_names[0])
+            answer_names = [answer.name for answer in question.spec_question.answers]
+            chosen_name = example.alternatives.get(question.spec_question.name, answer_names[0])
             # The enumeration has a constant for each answer, in the same order.
             constant = question.enumeration.constants[answer_names.index(chosen_name)]
             arguments += f"{constant.name}, "
@@ -313,7 +313,7 @@ class SelfTest:
                 data=_format_bytes(example.bytes),
                 word="",
                 length="",
-                expected=tuple(self._expected_members(code.codec, f"reg_{example.register}", example.values)),
+                expected_members=tuple(self._expected_members(code.codec, f"reg_{example.register}", example.values)),
                 fault="",
             )
 
@@ -326,28 +326,28 @@ class SelfTest:
         are checked by decoding and encoding the frame.
         """
         member_names = set(_member_names(codec))
-        part_by_field = {part.field.name: part for part in codec.plan.decoded_fields}
+        part_by_field = {decoded_field.name: decoded_field for decoded_field in codec.layout_plan.decoded_fields}
         for name, value in values.items():
             if name in member_names:
                 yield self._expected_member(owner, name, value, part_by_field.get(name))
 
     def _expected_member(
-        self, owner: str, name: str, value: int | str | bool, part: FieldToDecode | None
+        self, owner: str, name: str, value: int | str | bool, decoded_field: FieldToDecode | None
     ) -> ExpectedMember:
         """Return a member with its expected value as C, for a named value its constant.
 
-        ``part`` is the field of the member, or None for a plain number that several fields form (a join) or that is
-        some decimal digits of a field.
+        ``decoded_field`` is the field of the member, or None for a plain number that several fields form (a join) or
+        that is some decimal digits of a field.
         """
         member = c_name(name)
-        meaning = part.meaning if part is not None else UnsignedNumber()
+        meaning = decoded_field.meaning if decoded_field is not None else UnsignedNumber()
         match meaning:
             case Latin1Text():
                 return ExpectedMember(member, string(value), is_text=True)
             case NamedChoice(values) if isinstance(value, str):
                 number = member_named(values, value, f"value of '{name}'").value
-                enumeration = self.view.context.choices.get((owner, name))
-                constant_by_number = enumeration.names if enumeration else {}
+                enumeration = self.view.context.enumeration_by_field.get((owner, name))
+                constant_by_number = enumeration.constant_by_value if enumeration else {}
                 return ExpectedMember(member, constant_by_number.get(number, c_number(number)))
             case ActiveFlag():
                 return ExpectedMember(member, "true" if value else "false")
@@ -382,9 +382,9 @@ class SelfTest:
 
 def _member_names(codec: StructCodec) -> Iterator[str]:
     """Yield the names of the members of a struct, as in the spec."""
-    yield from (joined_number.join.name for joined_number in codec.plan.joined_numbers)
-    for part in codec.plan.decoded_fields:
-        yield from (part.field.name, *(run.name for run in part.field.runs))
+    yield from (joined_number.join.name for joined_number in codec.layout_plan.joined_numbers)
+    for decoded_field in codec.layout_plan.decoded_fields:
+        yield from (decoded_field.name, *(run.name for run in decoded_field.field.runs))
 
 
 def _word_check(crc: WordCrc, covered_bits: int, check: int) -> Iterator[Expectation]:
@@ -393,7 +393,7 @@ def _word_check(crc: WordCrc, covered_bits: int, check: int) -> Iterator[Expecta
     ``check`` is the CRC of ``covered_bits``. Nothing is yielded if the word is longer than a frame.
     """
     word = (covered_bits << crc.crc.width) | check
-    if word.bit_length() <= crc.bits:
+    if word.bit_length() <= crc.word_bits:
         yield CrcCheck(crc.name, data=(), word=_format_hex(word, 64), crc=_format_hex(0))
 
 

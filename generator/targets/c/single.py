@@ -140,7 +140,7 @@ class SingleCode:
         ]
         # The first line is a comment on the standard. The definitions follow it.
         _, _, definitions = marks_and_size.rstrip("\n").partition("\n")
-        if self.view.reading.frame is None:
+        if self.view.position_reader.frame is None:
             definitions, _, _ = definitions.partition("\n\n")
         return f"{definitions}\n"
 
@@ -173,14 +173,16 @@ class SingleCode:
         that follows it.
         """
         title = f"/* -- {self.view.context.interface.title} "
-        after_title = [index + 1 for index, item in enumerate(declarations) if item.comment.startswith(title)]
-        if not after_title or after_title[0] == len(declarations):
+        title_indexes = [index for index, item in enumerate(declarations) if item.comment.startswith(title)]
+        declarations_after_title = declarations[title_indexes[0] + 1 :] if title_indexes else ()
+        if not declarations_after_title:
             return
-        commented = declarations[after_title[0]]
-        kept_names = names_of(self.declarations)
-        if (commented.has_macro or not commented.code) and kept_names.isdisjoint(commented.names):
-            following_names = names_of(declarations[after_title[0] :])
-            is_following = [not following_names.isdisjoint(item.names) for item in self.declarations]
+        commented = declarations_after_title[0]
+        is_comment_on_interface = commented.has_macro or not commented.code
+        is_kept = not names_of(self.declarations).isdisjoint(commented.names)
+        if is_comment_on_interface and not is_kept:
+            following_names = names_of(declarations_after_title)
+            is_following = [not following_names.isdisjoint(kept.names) for kept in self.declarations]
             self.declarations.insert(is_following.index(True), Declaration(commented.comment, code=""))
 
     def _runtime_header(self, name: str) -> str:
@@ -192,7 +194,7 @@ class SingleCode:
         match self.view.context.interface:
             case Biss():
                 return cut_biss_receiver(text, length)
-            case Ssi() if not length.varies:
+            case Ssi() if not length.is_variable:
                 return cut_ssi_receiver(text, length.most_bits)
             case _:
                 return text
@@ -200,15 +202,15 @@ class SingleCode:
     @cached_property
     def _word_length(self) -> WordLength | None:
         """The length of the word that the macros receive, or None if they receive no single word."""
-        frame, interface = self.view.reading.frame, self.view.context.interface
-        if frame is None or frame.plan.in_bytes or frame.whole_frame is not None:
+        frame, interface = self.view.position_reader.frame, self.view.context.interface
+        if frame is None or frame.layout_plan.in_bytes or frame.whole_frame is not None:
             return None
         sizes = [size for size in received_sizes(self.view.device, interface) if size.layout == frame.struct.layout]
         if not sizes:
             return None
         varies = len(sizes) > 1 or sizes[0].depends_on_registers
-        most_bits = sizes[0].layout.widest if varies else sizes[0].bits
-        return WordLength(most_bits, buffer_bytes=sizes[0].bytes, varies=varies)
+        most_bits = sizes[0].layout.widest if varies else sizes[0].frame_bits
+        return WordLength(most_bits, buffer_bytes=sizes[0].buffer_bytes, is_variable=varies)
 
     def _titles_of_other_errata(self) -> Iterator[str]:
         """Yield the titles of the errata that are only about parts of the interface that this header does not have."""
@@ -247,13 +249,13 @@ class SingleCode:
             if _FOR_REGISTERS not in macro.name and macro.name not in time_names:
                 yield macro.name
         if view.variants.parameters:
-            yield view.row.macro
+            yield view.code_row.macro
         yield f"{view.prefix}_counts_per_turn"
         for codec in self._position_codecs():
             yield from (f"{codec.name}_{suffix}" for suffix in _READING_SUFFIXES)
-            if view.reading.frame is None:
+            if view.position_reader.frame is None:
                 yield from (f"{codec.name}_{suffix}" for suffix in _FURTHER_SUFFIXES)
-        starts = (view.reading.macro, f"{view.row.macro}_")
+        starts = (view.position_reader.macro, f"{view.code_row.macro}_")
         other_channels = self._macros_of_other_channels()
         yield from (name for name in known_names if name.startswith(starts) and name not in other_channels)
         yield from self._roots_of_requests()
@@ -261,9 +263,9 @@ class SingleCode:
     def _roots_of_requests(self) -> Iterator[str]:
         """Yield the names that a program uses to request positions over RS-485 or SPI."""
         usage = self.view.usage
-        if usage is not None and usage.request:
-            yield usage.request
-        if usage is not None and (usage.request or usage.request_for_reply is not None):
+        if usage is not None and usage.request_macro:
+            yield usage.request_macro
+        if usage is not None and (usage.request_macro or usage.request_for_reply is not None):
             yield from (f"cw_rs485_{action}" for action in _BYTE_BY_BYTE)
         if self.usage.request is not None:
             yield f"{self.usage.request.name}_encode"
@@ -274,16 +276,16 @@ class SingleCode:
 
     def _macros_of_other_channels(self) -> set[str]:
         """Return the lengths of the data channels that the macros do not name."""
-        frame = self.view.reading.frame
+        frame = self.view.position_reader.frame
         if frame is None or frame.whole_frame is None:
             return set()
         other_layouts = (layout for layout in frame.whole_frame.layouts if layout != frame.struct.layout)
-        stems = [f"{self.view.row.macro}_{layout.name.upper()}" for layout in other_layouts]
+        stems = [f"{self.view.code_row.macro}_{layout.name.upper()}" for layout in other_layouts]
         return {f"{stem}_{suffix}" for stem in stems for suffix in ("BITS", "RX_BYTES")}
 
     def _position_codecs(self) -> Iterator[StructCodec]:
         """Yield the frame that the macros read, or all frames with a position if there are no macros."""
-        frame = self.view.reading.frame
+        frame = self.view.position_reader.frame
         if frame is not None:
             yield frame
             return
@@ -315,7 +317,7 @@ class SingleCode:
             new_name = re.sub("^cw_", f"{self.stem}_{kept_prefix}", name)
             return re.sub("^CW_", f"{self.STEM}_{kept_prefix.upper()}", new_name)
         # The macro of the order code itself begins with view.PREFIX, so it is tried first.
-        new_prefixes = {view.row.macro: self.STEM, view.PREFIX: self.STEM, view.prefix: self.stem}
+        new_prefixes = {view.code_row.macro: self.STEM, view.PREFIX: self.STEM, view.prefix: self.stem}
         for old_prefix, new_prefix in new_prefixes.items():
             if name == old_prefix or name.startswith(f"{old_prefix}_"):
                 return new_prefix + name.removeprefix(old_prefix)
@@ -353,16 +355,16 @@ class SingleCode:
         """
         if "(code, " not in c_code:
             return c_code
-        order_code = self.view.row.macro.removeprefix(f"{self.view.PREFIX}_")
+        order_code = self.view.code_row.macro.removeprefix(f"{self.view.PREFIX}_")
         code_without_parameter = c_code.replace("(code, ", "(", 1)
         code_without_parameter = code_without_parameter.replace("##code", order_code)
         # In MACRO##_BITS nothing is left to paste. MACRO##_##name still pastes another parameter.
-        return re.sub(rf"({self.view.row.macro})##(?=_\w)(?!_##)", r"\1", code_without_parameter)
+        return re.sub(rf"({self.view.code_row.macro})##(?=_\w)(?!_##)", r"\1", code_without_parameter)
 
     def _rename_pasted(self, line: str) -> str:
         """Return a line with the prefix of this header in names that a macro pastes, as in ``ACME_X_##name``."""
         # A prefix that is followed by letters and ##.
-        pattern = rf"\b(?:{self.view.row.macro}|{self.view.PREFIX})_(?=\w*##)"
+        pattern = rf"\b(?:{self.view.code_row.macro}|{self.view.PREFIX})_(?=\w*##)"
         return re.sub(pattern, f"{self.STEM}_", line)
 
     def _is_absent(self, name: str) -> bool:

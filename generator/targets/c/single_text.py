@@ -281,7 +281,7 @@ class SingleUsage:
     @property
     def ignored_numbers(self) -> tuple[str, ...]:
         """Names of the numbers that affect neither the position nor the verdict, such as a life counter."""
-        frame = self.view.reading.frame
+        frame = self.view.position_reader.frame
         if frame is None:
             return ()
         position_name = self.view.device.position_name(self.view.context.interface.name)
@@ -296,7 +296,7 @@ class SingleUsage:
     @property
     def function_for_all_fields(self) -> str:
         """The function that returns all fields of a frame: of a word, or of all data channels from the buffer."""
-        frame = self.view.reading.frame
+        frame = self.view.position_reader.frame
         assert frame is not None
         if frame.whole_frame is not None and self.view.channels is not None:
             return self._named(f"{self.view.channels.type}_receive")

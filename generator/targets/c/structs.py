@@ -36,15 +36,15 @@ class LayoutStruct:
     ) -> None:
         self.context = context
         self.device = context.device
-        self.spelling = context.spelling
+        self.translator = context.translator
         self.layout = layout
         #: Stem of its functions, and name of its type.
         self.name = name
         self.type = f"{name}_frame" if name == context.prefix else name
         self.length_macro = length_macro
         self.register = register
-        self.plan: LayoutPlan = layout_plan_of(context.device, layout)
-        self.reader = BitReader(self.plan, context.spelling, word_size(context, layout))
+        self.layout_plan: LayoutPlan = layout_plan_of(context.device, layout)
+        self.reader = BitReader(self.layout_plan, context.translator, word_size(context, layout))
         #: The numbers of the scales of its fields.
         self.scales: tuple[CMacro, ...] = tuple(scale_macros(layout, name))
         self.unused = UnusedMember(self.reader)
@@ -54,13 +54,13 @@ class LayoutStruct:
         """Raise an error if the C target does not support the layout."""
         layout = self.layout
         name = f"'{self.layout.name}'"
-        if self.plan.by_word and layout.widest > 64:
+        if self.layout_plan.by_word and layout.widest > 64:
             raise TargetError(
                 f"{name} has {layout.widest} bits and fields whose place depends on the order code; the C target "
                 "supports such fields only within 64 bits",
                 self.path,
             )
-        if self.plan.alternatives and self.register is not None:
+        if self.layout_plan.alternatives and self.register is not None:
             raise TargetError(
                 f"{name} depends on a question that the manual leaves open; the C target supports this only in frames",
                 self.path,
@@ -71,8 +71,8 @@ class LayoutStruct:
             raise TargetError(
                 f"{name} has unused bits in {unused_bytes} bytes; the C target supports at most 8", self.path
             )
-        for part in self.plan.decoded_fields:
-            field = part.field
+        for decoded_field in self.layout_plan.decoded_fields:
+            field = decoded_field.field
             # Called for its error if the field has more than 64 bits.
             self.type_of(field)
             if isinstance(meaning_of(field), Latin1Text) and not characters(field):
@@ -89,43 +89,46 @@ class LayoutStruct:
         (interface_name,) = (interface.name for interface, layout in self.device.layouts() if layout is self.layout)
         return ("interfaces", interface_name, "layouts", self.layout.name)
 
-    def crc_function(self, crc: FrameCrc) -> str:
+    def crc_function(self, frame_crc: FrameCrc) -> str:
         """Return the name of the function that computes a CRC of the layout."""
-        return self.context.crc_name(crc.crc, self.layout.carried_as)
+        return self.context.crc_name(frame_crc.crc, self.layout.carried_as)
 
     @property
     def number_type(self) -> str:
         """The C type of the frame as one number."""
         return unsigned(self.reader.word_size)
 
-    def covered_bits(self, crc: FrameCrc) -> CExpression:
+    def covered_bits(self, frame_crc: FrameCrc) -> CExpression:
         """Return the bits of the word that a CRC covers, as they are sent. Bit 0 is the last one.
 
         An example is ``(uint32_t)(word >> 6)``.
         """
-        # The bit above the covered bits. ``covered_bits`` is their number.
-        end = crc.lowest_covered_bit + crc.covered.constant if covers_32_bits(crc) else self.reader.word_size
-        bits = shifted_right(self.reader.before_conversion.word_or_lower_half(end), crc.lowest_covered_bit)
-        is_across_halves = covers_32_bits(crc) and end > 32
+        lowest_bit = frame_crc.lowest_covered_bit
+        # The bit above the covered bits.
+        end_bit = self.reader.word_size
+        if covers_32_bits(frame_crc):
+            end_bit = lowest_bit + frame_crc.covered_width.constant
+        bits = shifted_right(self.reader.before_conversion.word_or_lower_half(end_bit), lowest_bit)
+        is_across_halves = covers_32_bits(frame_crc) and end_bit > 32
         return CCast("uint32_t", bits) if is_across_halves else bits
 
-    def received_crc(self, crc: FrameCrc) -> CExpression:
+    def received_crc(self, frame_crc: FrameCrc) -> CExpression:
         """Return the CRC that a word contains in its lowest bits, as it is sent."""
-        width = crc.crc.width
+        width = frame_crc.crc.width
         return masked(self.reader.before_conversion.word_or_lower_half(width), (1 << width) - 1)
 
     # -- members
 
-    def choice(self, field: Field) -> CEnumeration | None:
+    def named_values(self, field: Field) -> CEnumeration | None:
         """Return the named values of a field as an enumeration or as macros, or None if its values have no names."""
         # A register can have the same name as a frame.
         owner = self.layout.name if self.register is None else f"reg_{self.register.name}"
-        return self.context.choices.get((owner, field.name))
+        return self.context.enumeration_by_field.get((owner, field.name))
 
     def enumeration(self, field: Field) -> CEnumeration | None:
         """Return the enumeration of a field, or None if its values have no names or are macros."""
-        choice = self.choice(field)
-        return choice if choice is not None and choice.is_enum else None
+        named_values = self.named_values(field)
+        return named_values if named_values is not None and named_values.is_enum else None
 
     def type_of(self, field: Field) -> str:
         """Return the type of a member, or of each character of a string."""
@@ -133,8 +136,8 @@ class LayoutStruct:
             case ActiveFlag():
                 return "bool"
             case NamedChoice():
-                choice = self.enumeration(field)
-                return choice.type if choice is not None else unsigned(field.widest)
+                enumeration = self.enumeration(field)
+                return enumeration.type if enumeration is not None else unsigned(field.widest)
             case TwosComplement():
                 return signed(field.widest)
             case Latin1Text():
@@ -149,7 +152,9 @@ class LayoutStruct:
 
     def member_type(self, name: str) -> str:
         """Return the type of the member of a field or join, by its name in the spec."""
-        joined_number = next((candidate for candidate in self.plan.joined_numbers if candidate.join.name == name), None)
+        joined_number = next(
+            (candidate for candidate in self.layout_plan.joined_numbers if candidate.join.name == name), None
+        )
         return unsigned(joined_number.widest) if joined_number is not None else self.type_of(self.layout.field(name))
 
     def initializer(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
@@ -160,9 +165,9 @@ class LayoutStruct:
         a value that an encoder accepts, mostly 0. ``parameters`` are the parameters of an order code. The member
         ``unused`` is 0, which means that all unused bits are as documented.
         """
-        fields = [decoded_field.field for decoded_field in self.plan.decoded_fields]
+        fields = [decoded_field.field for decoded_field in self.layout_plan.decoded_fields]
         number_by_field = {field.name: values.get(field.name, _default_value(field)) for field in fields}
-        for joined_number in self.plan.joined_numbers:
+        for joined_number in self.layout_plan.joined_numbers:
             if joined_number.name in values:
                 # The numbers of its fields.
                 number_by_field |= joined_number.field_numbers(values[joined_number.name], parameters)
@@ -172,7 +177,7 @@ class LayoutStruct:
         initial_values: list[str] = []
         for field in fields:
             initial_values += self._initial_values(field, number_by_field[field.name])
-        for joined_number in self.plan.joined_numbers:
+        for joined_number in self.layout_plan.joined_numbers:
             number = joined_number.number_of(number_by_field, parameters)
             initial_values.append(c_number(number, hexadecimal=True))
         if self.unused:
@@ -182,7 +187,8 @@ class LayoutStruct:
     @property
     def without_default(self) -> tuple[str, ...]:
         """The members of a request whose values the spec does not give."""
-        return tuple(c_name(part.field.name) for part in self.plan.decoded_fields if part.field.default is None)
+        fields = [decoded_field.field for decoded_field in self.layout_plan.decoded_fields]
+        return tuple(c_name(field.name) for field in fields if field.default is None)
 
     def _initial_values(self, field: Field, initial_number: int) -> Iterator[str]:
         """Yield the initial value of each member of a field: one, or with runs of digits also one for each run."""
@@ -190,9 +196,9 @@ class LayoutStruct:
             case ActiveFlag():
                 yield "true" if initial_number else "false"
             case NamedChoice():
-                choice = self.choice(field)
-                constants = choice.names if choice is not None else {}
-                yield constants.get(initial_number, c_number(initial_number, hexadecimal=True))
+                named_values = self.named_values(field)
+                constant_by_value = named_values.constant_by_value if named_values is not None else {}
+                yield constant_by_value.get(initial_number, c_number(initial_number, hexadecimal=True))
             case TwosComplement():
                 yield signed_number(initial_number)
             case DecimalDigits(runs):
@@ -210,14 +216,14 @@ class LayoutStruct:
         ``is_raw`` is True if ``name`` contains the bits as read, rather than a value of the enumeration. Constants of
         the enumeration are then cast to the type of the bits.
         """
-        choice = self.choice(field)
-        constants = choice.names if choice is not None else {}
+        named_values = self.named_values(field)
+        constant_by_value = named_values.constant_by_value if named_values is not None else {}
         needs_cast = is_raw and self.enumeration(field) is not None
-        type_of_bits, _ = self.reader.type_and_bits(self.plan.bits_of(field.name))
+        type_of_bits, _ = self.reader.type_and_bits(self.layout_plan.bits_of(field.name))
         conditions: list[CExpression] = []
         for value in values:
-            if value in constants:
-                constant = CName(constants[value])
+            if value in constant_by_value:
+                constant = CName(constant_by_value[value])
                 expected: CExpression = CCast(type_of_bits, constant) if needs_cast else constant
             else:
                 expected = CNumber(value, hexadecimal=True)
@@ -227,7 +233,7 @@ class LayoutStruct:
 
 def covers_32_bits(crc: FrameCrc) -> bool:
     """Return True if a CRC covers at most 32 bits, with every order code."""
-    return crc.covered.is_constant and crc.covered.constant <= 32
+    return crc.covered_width.is_constant and crc.covered_width.constant <= 32
 
 
 def word_size(context: HeaderContext, layout: Layout) -> int:

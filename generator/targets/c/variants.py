@@ -12,7 +12,7 @@ from ...language.problems import join_words
 from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_or_raise
 from ...model.interfaces import channel_frame
 from ...model.record import dataclass
-from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
+from ...plan.frames import BISS_ACKNOWLEDGE_BITS, FrameSize, HeldParameter, HoldingRegister, received_sizes
 from ...plan.values import UnsignedNumber, ZeroMeans, parameters_in_measurement, widest_value
 from ...say.names_and_evidence import title_of
 from ...say.order_code import timeouts_with_codes, words_for_initial_values
@@ -101,7 +101,7 @@ class HeldValue:
     @property
     def is_outside(self) -> CExpression | None:
         """Condition that the register contains a value outside the limits, or None if there are no limits."""
-        lowest, highest = self.held_parameter.low, self.held_parameter.high
+        lowest, highest = self.held_parameter.lowest_valid, self.held_parameter.highest_valid
         comparisons: list[CExpression] = []
         value = CName(self.local)
         if lowest is not None:
@@ -206,12 +206,16 @@ class VariantCode:
         self.parameters = self.device.set_parameters
         measured = parameters_in_measurement(self.device)
         #: The derived parameters with a function. The functions for positions return the others.
-        self._with_function = [parameter for parameter in self._in_order_of_use() if parameter.name not in measured]
-        self.derived: Sequence[CFunction] = [self._build_derived(parameter) for parameter in self._with_function]
+        self._parameters_with_function = [
+            parameter for parameter in self._in_order_of_use() if parameter.name not in measured
+        ]
+        self.derived: Sequence[CFunction] = [
+            self._build_derived(parameter) for parameter in self._parameters_with_function
+        ]
         self.rows = [self._build_row(variant) for variant in self.device.variants]
         #: A macro with one bit for each open part of the order code.
         self.unlisted_macros = list(self._unlisted_macros())
-        self.patterns = open_codes(self.device)
+        self.label_patterns = open_codes(self.device)
         self.about = about_order_codes(self.device)
 
     def declared(self) -> Iterator[DeclaredName]:
@@ -219,7 +223,7 @@ class VariantCode:
         yield self.context.prefix, ()
         for name in ("order_code", "order_codes", "find_order_code"):
             yield f"{self.context.prefix}_{name}", ()
-        for parameter in self._with_function:
+        for parameter in self._parameters_with_function:
             yield f"{self.context.prefix}_{parameter.name}", ("parameters", parameter.name)
         yield from ((row.macro, ("order_code",)) for row in self.rows)
         yield from ((macro.name, ("order_code", "parts")) for macro in self.unlisted_macros)
@@ -231,7 +235,7 @@ class VariantCode:
     @property
     def has_rejecting_patterns(self) -> bool:
         """True if a pattern matches labels that are not an order code."""
-        return any(pattern.order_code_index is None for pattern in self.patterns)
+        return any(pattern.order_code_index is None for pattern in self.label_patterns)
 
     def bits_of_open_parts(self, pattern: OpenCode) -> str:
         """Return the parts of an order code that a pattern leaves open, as bits in C, or ``0U`` if there are none.
@@ -272,7 +276,7 @@ class VariantCode:
         assert parameter.equals is not None
         name = f"{self.context.prefix}_{parameter.name}"
         return number_function(
-            self.context.spelling,
+            self.context.translator,
             name=name,
             expression=parameter.equals,
             largest=parameter.largest,
@@ -321,39 +325,40 @@ class LengthCode:
         self, context: HeaderContext, interface: Interface, code_rows: Sequence[CodeRow], sample_row: CodeRow
     ) -> None:
         self.interface = interface
-        received_frames = list(received_sizes(context.device, interface))
-        #: Names of the frames whose lengths these are.
-        self.layouts = tuple(dict.fromkeys(frame.layout.name for frame in received_frames))
-        answers = chain.from_iterable(frame.answers for frame in received_frames)
-        #: Names of the answers on which a length depends.
-        self.answers = tuple(dict.fromkeys(answer.name for answer in answers))
-        layouts_in_bytes = [frame.layout for frame in received_frames if frame.layout.in_bytes]
-        #: Macro of the bytes in a frame that is carried as bytes, empty for words.
-        self.length_macro = context.length_macro(layouts_in_bytes[0]) if layouts_in_bytes else ""
-        headers = {"receive_frame.h" if frame.layout.in_bytes else "receive.h" for frame in received_frames}
-        #: Names of the headers that receive words, bytes, or both.
-        self.receivers = " and ".join(sorted(headers))
         self._context = context
-        self.depends_on_registers = any(frame.depends_on_registers for frame in received_frames)
-        #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
-        self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
-        self.register_access_comment = "".join(_register_access(context.device, interface, received_frames))
+        self._macro_prefix = f"{context.PREFIX}_"
         self._name_by_variant_id = {id(row.variant): row.name_in_macros for row in code_rows}
-        self._prefix = f"{context.PREFIX}_"
-        #: Frames of the order code in all samples.
-        self._sample_frames = [frame for frame in received_frames if frame.variant is sample_row.variant]
-        self.macros = list(chain.from_iterable(map(self.macros_of, received_frames)))
+        #: The size of each received frame, for each order code.
+        frame_sizes = list(received_sizes(context.device, interface))
+        self.layout_names = tuple(dict.fromkeys(size.layout.name for size in frame_sizes))
+        answers = chain.from_iterable(size.answers for size in frame_sizes)
+        #: Names of the user's answers on which a length depends.
+        self.answer_names = tuple(dict.fromkeys(answer.name for answer in answers))
+        layouts_in_bytes = [size.layout for size in frame_sizes if size.layout.in_bytes]
+        #: Macro for the number of bytes in a frame, empty if all frames are words.
+        self.length_macro = context.length_macro(layouts_in_bytes[0]) if layouts_in_bytes else ""
+        receiver_headers = {"receive_frame.h" if size.layout.in_bytes else "receive.h" for size in frame_sizes}
+        #: Text with the names of the headers that receive words, bytes, or both.
+        self.receiver_headers = " and ".join(sorted(receiver_headers))
+        self.depends_on_registers = any(size.depends_on_registers for size in frame_sizes)
+        #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
+        self.acknowledge_bits = BISS_ACKNOWLEDGE_BITS if isinstance(interface, Biss) else 0
+        self.register_access_comment = "".join(_describe_register_access(context.device, interface, frame_sizes))
+        #: Sizes for the order code in all samples.
+        self._sample_sizes = [size for size in frame_sizes if size.variant is sample_row.variant]
+        #: The macros of all frame sizes.
+        self.macros = list(chain.from_iterable(map(self.macros_of, frame_sizes)))
 
     @property
     def receive_macro(self) -> str:
         """The macro that extracts a frame with the lengths of an order code. Empty unless there is only one frame."""
-        return f"{self._prefix}RECEIVE" if len(self.layouts) == 1 else ""
+        return f"{self._macro_prefix}RECEIVE" if len(self.layout_names) == 1 else ""
 
     @property
     def about_code_argument(self) -> str:
         """Explain how the macro names an order code."""
-        code = self.code_of(self._sample_frames[0]) if self._sample_frames else ""
-        return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
+        code = self.code_of(self._sample_sizes[0]) if self._sample_sizes else ""
+        return f"For example, code can be {code}, as in {self._macro_prefix}{code}_BITS."
 
     def for_layout(self, layout: Layout) -> LengthCode:
         """Return a copy in which variables and arguments are for this frame, which is a word or bytes."""
@@ -373,16 +378,16 @@ class LengthCode:
         """Return the arguments of a decoder that takes this variable."""
         return f"bytes{index}, {self.length_macro}" if self.length_macro else f"word{index}"
 
-    def code_of(self, frame: FrameSize) -> str:
+    def code_of(self, size: FrameSize) -> str:
         """Return the part of a macro's name that stands for a frame of an order code, such as ``X24_POSITION_WIDE``.
 
         The name of the frame is included if there are several frames, and then the user's answers to open questions on
         which the length depends.
         """
-        name_parts = [self._name_by_variant_id[id(frame.variant)]]
-        if len(self.layouts) > 1:
-            name_parts.append(frame.layout.name)
-        name_parts += [answer.name for answer in frame.answers]
+        name_parts = [self._name_by_variant_id[id(size.variant)]]
+        if len(self.layout_names) > 1:
+            name_parts.append(size.layout.name)
+        name_parts += [answer.name for answer in size.answers]
         return "_".join(name_parts).upper()
 
     def declared(self) -> Iterator[DeclaredName]:
@@ -393,32 +398,32 @@ class LengthCode:
         if self.receive_macro:
             yield self.receive_macro, path
 
-    def macros_of(self, frame: FrameSize) -> Iterator[CMacro]:
+    def macros_of(self, size: FrameSize) -> Iterator[CMacro]:
         """Yield the macros for the number of bits in a frame, and for the number of bytes in its buffer."""
-        stem = f"{self._prefix}{self.code_of(frame)}"
-        whole_frame = channel_frame(self.interface)
-        if whole_frame is None:
-            yield CMacro(f"{stem}_BITS", value=c_number(frame.bits), note="number of bits in its frame")
-            yield CMacro(f"{stem}_RX_BYTES", value=c_number(frame.bytes), note="number of bytes in its buffer")
-            return
-        bits_of_channels = whole_frame.bits.value(frame.variant.parameters)
-        yield CMacro(f"{stem}_BITS", value=c_number(frame.bits), note="number of bits in this data channel")
-        buffer_comment = f"number of bytes in a buffer for all {bits_of_channels} bits of the frame"
-        yield CMacro(f"{stem}_RX_BYTES", value=c_number(frame.bytes), note=buffer_comment)
+        bits_comment = "number of bits in its frame"
+        buffer_comment = "number of bytes in its buffer"
+        frame_of_channels = channel_frame(self.interface)
+        if frame_of_channels is not None:
+            bits_of_channels = frame_of_channels.bits.value(size.variant.parameters)
+            bits_comment = "number of bits in this data channel"
+            buffer_comment = f"number of bytes in a buffer for all {bits_of_channels} bits of the frame"
+        stem = f"{self._macro_prefix}{self.code_of(size)}"
+        yield CMacro(f"{stem}_BITS", value=c_number(size.frame_bits), note=bits_comment)
+        yield CMacro(f"{stem}_RX_BYTES", value=c_number(size.buffer_bytes), note=buffer_comment)
 
 
-def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
+def _describe_register_access(device: Device, interface: Interface, sizes: Sequence[FrameSize]) -> Iterator[str]:
     """Yield the pieces of a text on when a BiSS master must set the control bit of a frame (CDM).
 
     The times apply to the shortest frame, at the highest and lowest clock, or else at the last clock in use. If the
     clock depends on the order code, they are in clock periods only. Nothing is yielded for other interfaces.
     """
-    if not isinstance(interface, Biss) or not frames:
+    if not isinstance(interface, Biss) or not sizes:
         return
-    shortest_bits = min(frame.bits for frame in frames)
+    shortest_bits = min(size.frame_bits for size in sizes)
     clock = interface.clock or Clock(source=())
     delay_text = f"{shortest_bits} clock periods after its CDS"
-    if any(frame.depends_on_registers for frame in frames):
+    if any(size.depends_on_registers for size in sizes):
         delay_text += f" with {words_for_initial_values(device)}"
     else:
         delay_text = f"at least {delay_text}"

@@ -51,7 +51,7 @@ class ExampleFrame:
     """A frame as a number, its source, and the values of its fields, as far as they are known."""
 
     layout: Layout
-    wire: int
+    sent_number: int
     about: str
     values: Values
 
@@ -183,7 +183,7 @@ class ChosenExamples:
         layout = self.device.layout(example.layout)
         return ExampleFrame(
             layout=layout,
-            wire=int(example.bits, 2) if example.bits else number_from_bytes(layout, example.bytes),
+            sent_number=int(example.bits, 2) if example.bits else number_from_bytes(layout, example.bytes),
             about=f"a worked example [{cite(example.source)}]",
             values=example.values,
         )
@@ -213,7 +213,7 @@ class ChosenExamples:
             frame_examples = (example for example in self.device.examples if isinstance(example, FrameExample))
             if any(example.layout == layout.name for example in frame_examples):
                 about += " for this order code"
-        return ExampleFrame(layout=layout, wire=sample.frame, about=about, values=sample.values)
+        return ExampleFrame(layout=layout, sent_number=sample.frame, about=about, values=sample.values)
 
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""
@@ -255,14 +255,14 @@ class PrintedMember:
     value_names: str = ""
 
 
-def printed_members(part: FieldToDecode, variable: str) -> Iterator[PrintedMember]:
+def printed_members(decoded_field: FieldToDecode, variable: str) -> Iterator[PrintedMember]:
     """Yield the members that a field fills in the struct ``variable``, as ``printf`` prints them.
 
     A number whose decimal digits are members, too, fills several members.
     """
-    name = part.field.name
+    name = decoded_field.name
     member = f"{variable}.{c_name(name)}"
-    match part.meaning:
+    match decoded_field.meaning:
         case Latin1Text():
             yield PrintedMember(name, printf_format="%.*s", arguments=f"(int)sizeof({member}), {member}")
         case ActiveFlag():
@@ -303,8 +303,9 @@ class ShownRegister:
     @property
     def members(self) -> int:
         """The number of members in its struct."""
-        plan = self.struct.plan
-        return len(plan.joined_numbers) + sum(1 + len(part.field.runs) for part in plan.decoded_fields)
+        plan = self.struct.layout_plan
+        fields = [decoded_field.field for decoded_field in plan.decoded_fields]
+        return len(plan.joined_numbers) + sum(1 + len(field.runs) for field in fields)
 
 
 @dataclass(frozen=True, slots=True)
@@ -313,7 +314,7 @@ class ShownProcedure:
 
     title: str
     about: str
-    code: ProcedureCode
+    procedure_code: ProcedureCode
     values: tuple[int, ...]
 
 
@@ -330,8 +331,8 @@ class Memory:
 class ReceivedBytes:
     """The bytes that SPI received for the frame, and the macros for its length in bits and bytes."""
 
-    bits: str
-    size: str
+    bits_macro: str
+    size_macro: str
     data: bytes
 
 
@@ -344,7 +345,7 @@ class Session:
     """
 
     request: LayoutStruct
-    initial: str
+    initializer: str
     macro: str
     data: bytes
     size: int

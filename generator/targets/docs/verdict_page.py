@@ -106,7 +106,7 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, verdict
         yield _decider_row(device, interface, layout, decider=decider, sign=sign)
     # Rows of deciding field, value, verdict, source, errata.
     other_cases = "none of these" if deciders else "no field decides"
-    yield other_cases, "", EFFECTS[verdict_rules.otherwise], "", ""
+    yield other_cases, "", EFFECTS[verdict_rules.default_verdict], "", ""
     if verdict_rules.may_be_unknown:
         judging_names = [CodeText(field.name) for field in layout.judging_fields]
         lacking_names_text = MARKDOWN.phrase(statement(*list_parts(judging_names)))
@@ -136,7 +136,7 @@ def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decid
     deciders: list[_Decider] = []
     for verdict, causes in verdict_rules.worst_first:
         deciders += [_Decider(verdict, cause.cause.field, cause.conditions) for cause in causes]
-    if verdict_rules.otherwise is Verdict.UNKNOWN:
+    if verdict_rules.default_verdict is Verdict.UNKNOWN:
         verdicts_without_improvement = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
         fields_without_improvement = [
             field for field in layout.fields if field.makes_position in verdicts_without_improvement

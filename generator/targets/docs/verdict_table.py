@@ -59,7 +59,7 @@ def verdict_table(family_device: Device, device: Device, layout: Layout, variant
     rows += _rows_of_other_flags(device, placed_layout, causes_by_verdict, effect_of_other_flags)
     if verdict_rules is not None and causes_by_verdict:
         crc_condition = "" if placed_layout.crc_field is None else ", and the CRC is correct"
-        rows.append(("", f"none of these{crc_condition}", "", EFFECTS[verdict_rules.otherwise], ""))
+        rows.append(("", f"none of these{crc_condition}", "", EFFECTS[verdict_rules.default_verdict], ""))
     columns_with_content = _indices_with_content(rows)
     headings = _cells_at(_COLUMN_HEADINGS, columns_with_content)
     return headings, [_cells_at(row, columns_with_content) for row in rows]
@@ -168,15 +168,15 @@ def place_of_field(placed_field: PlacedField, placed_layout: PlacedLayout) -> st
 
 def _while_inactive(cause: VerdictCause) -> str:
     """Return the condition on the flags that a cause combines: ``, while `error` is inactive``, or "" without one."""
-    if not cause.unless:
+    if not cause.overriding_flags:
         return ""
     return f", {_while_flags_are_inactive(cause)}"
 
 
 def _while_flags_are_inactive(cause: VerdictCause) -> str:
     """Return the flags that must be inactive for a cause to count: ``while `error` and `fault` are inactive``."""
-    flag_names = " and ".join(code_span(decoded_flag.field.name) for decoded_flag in cause.unless)
-    verb = "is" if len(cause.unless) == 1 else "are"
+    flag_names = " and ".join(code_span(decoded_flag.field.name) for decoded_flag in cause.overriding_flags)
+    verb = "is" if len(cause.overriding_flags) == 1 else "are"
     return f"while {flag_names} {verb} inactive"
 
 
@@ -206,9 +206,9 @@ def verdict_line(verdict_rules: VerdictRules, variant: Variant, has_crc: bool) -
     causes_by_verdict = applicable_causes(verdict_rules, variant)
     conditional_verdicts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
     if not conditional_verdicts:
-        return MARKDOWN.phrase(statement(VERDICT_CLAUSES[verdict_rules.otherwise]))
+        return MARKDOWN.phrase(statement(VERDICT_CLAUSES[verdict_rules.default_verdict]))
     if_crc_is_correct = ", if the CRC is correct," if has_crc else ""
-    return "; ".join([*conditional_verdicts, f"otherwise{if_crc_is_correct} {EFFECTS[verdict_rules.otherwise]}"])
+    return "; ".join([*conditional_verdicts, f"otherwise{if_crc_is_correct} {EFFECTS[verdict_rules.default_verdict]}"])
 
 
 def changed_verdicts_of(verdict_rules: VerdictRules, variant: Variant, variant_with_answer: Variant) -> list[str]:
@@ -248,7 +248,7 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
 def _cause_text(cause: VerdictCause) -> str:
     """Return the flag of a cause, followed by the combined flags that must be inactive, if it has any."""
     flag_name = code_span(cause.cause.field.name)
-    if not cause.unless:
+    if not cause.overriding_flags:
         return flag_name
     return f"{flag_name} ({_while_flags_are_inactive(cause)})"
 

@@ -20,14 +20,14 @@ Value = int | bool | str
 class FileValue:
     """The value of a setting in a file, and its location on one channel of a device.
 
-    ``name`` is the name of the setting, and ``key`` its name in the file. ``word`` is the value in the notation of the
-    file. ``mark`` says whether the value is derived or only a bound.
+    ``name`` is the name of the setting, and ``key`` its name in the file. ``value_text`` is the value in the notation
+    of the file. ``mark`` says whether the value is derived or only a bound.
     """
 
     name: str
     key: str
     value: Value
-    word: str
+    value_text: str
     mark: str
     place: SettingPlace
 
@@ -76,13 +76,13 @@ class Channel:
     """The values for one channel of a device. The first channel also contains the values that all channels share."""
 
     name: str
-    entries: tuple[FileValue, ...]
+    file_values: tuple[FileValue, ...]
 
     @property
     def registers(self) -> list[tuple[str, list[FileValue]]]:
         """The registers in the order of their names, each with its values in the order of their first bits."""
         values_by_register: dict[str, list[FileValue]] = {}
-        for file_value in sorted(self.entries, key=_first_bit):
+        for file_value in sorted(self.file_values, key=_first_bit):
             values_by_register.setdefault(file_value.register, []).append(file_value)
         return sorted(values_by_register.items())
 
@@ -90,7 +90,7 @@ class Channel:
     def structures(self) -> list[tuple[str, list[FileValue]]]:
         """The structures in the order of their names, each with its values in the order of writing."""
         values_by_structure: dict[str, list[FileValue]] = {}
-        for file_value in self.entries:
+        for file_value in self.file_values:
             structure, _ = file_value.symbol
             values_by_structure.setdefault(structure, []).append(file_value)
         return sorted(values_by_structure.items())
@@ -110,13 +110,13 @@ class Content:
     """
 
     channels: tuple[Channel, ...]
-    left_out: tuple[str, ...]
+    omissions: tuple[str, ...]
     conditions: tuple[str, ...]
 
     @property
-    def entries(self) -> tuple[FileValue, ...]:
+    def file_values(self) -> tuple[FileValue, ...]:
         """The values of the first channel."""
-        return self.channels[0].entries if self.channels else ()
+        return self.channels[0].file_values if self.channels else ()
 
 
 def content_of_file(sheet: SettingsSheet, file_rule: YamlMapping, device: str) -> Content:
@@ -143,7 +143,7 @@ def content_of_file(sheet: SettingsSheet, file_rule: YamlMapping, device: str) -
                 file_values += _file_values(setting_or_write, file_rule, device)
     return Content(
         channels=_channels_of_device(sheet, device, file_values),
-        left_out=tuple(omissions),
+        omissions=tuple(omissions),
         conditions=tuple(map(condition_text, sheet.writing)),
     )
 
@@ -220,7 +220,7 @@ def _file_values(setting_or_write: Setting | ObjectWrite, file_rule: YamlMapping
                 name=_setting_name(setting_or_write),
                 key=_key_in_file(setting_or_write, file_rule),
                 value=_setting_value(setting_or_write),
-                word=_value_word(setting_or_write, file_rule),
+                value_text=_value_word(setting_or_write, file_rule),
                 mark=", ".join(marks),
                 place=place,
             )

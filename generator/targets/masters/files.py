@@ -60,7 +60,7 @@ def _identifier(order_code: str) -> str:
 
 def _further_entries(file_rule: YamlMapping, file_content: Content) -> YamlMapping:
     """Return the fixed entries of a file, such as a version, without those that a setting writes."""
-    written_keys = {file_value.key for file_value in file_content.entries}
+    written_keys = {file_value.key for file_value in file_content.file_values}
     return {key: value for key, value in file_rule.get("also", {}).items() if key not in written_keys}
 
 
@@ -144,7 +144,7 @@ def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[st
     if initial_names:
         initial_values = join_words(initial_names)
         yield f"Only a value to start with, because the highest clock of the encoder is not known: {initial_values}."
-    for sentence in file_content.left_out:
+    for sentence in file_content.omissions:
         yield f"Not in this file: {sentence}"
     if not is_short:
         yield from file_content.conditions
@@ -152,7 +152,7 @@ def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[st
 
 def _names_with_mark(file_content: Content, mark: str) -> list[str]:
     """Return the names of the values that have a mark, such as ``derived``, each once."""
-    names = [file_value.name for file_value in file_content.entries if mark in file_value.mark]
+    names = [file_value.name for file_value in file_content.file_values if mark in file_value.mark]
     return list(dict.fromkeys(names))
 
 
@@ -186,8 +186,8 @@ def fill_pattern(pattern: str, file_content: Content) -> str:
 
     The keys and values are those of the first channel.
     """
-    for file_value in file_content.entries:
-        pattern = pattern.replace(f"{{{file_value.key}}}", file_value.word)
+    for file_value in file_content.file_values:
+        pattern = pattern.replace(f"{{{file_value.key}}}", file_value.value_text)
     return pattern
 
 

@@ -326,7 +326,7 @@ class LayoutClass:
     def position_attribute(self) -> str:
         """The attribute with the position. Empty if the frame has no position, or only a part of it."""
         measurement = self.device.measurement_of(self.layout_interface)
-        # A measurement is ``of`` the field or joined number with the position.
+        # A measurement has the name of the field or joined number with the position.
         position_name = measurement.position_name if measurement is not None else "position"
         number_fields = [decoded for decoded in self.layout_plan.decoded_fields if is_number(decoded.meaning)]
         names_of_numbers = {decoded_field.field.name for decoded_field in number_fields}

@@ -163,9 +163,9 @@ class Decoder:
         answered_parameters = (
             self.translator.answered_parameters if isinstance(self.translator, NamedValues) else frozenset()
         )
-        if not answered_parameters.isdisjoint(frame_crc.covered.parameters):
+        if not answered_parameters.isdisjoint(frame_crc.covered_width.parameters):
             return None
-        return ExpressionTranslator(self.translator.code_by_parameter).to_python(frame_crc.covered)
+        return ExpressionTranslator(self.translator.code_by_parameter).to_python(frame_crc.covered_width)
 
     @property
     def crc_table_count(self) -> int:

@@ -112,8 +112,8 @@ class FrameReports:
             if meaning and parameter not in explained_parameters:
                 explained_parameters.add(parameter)
                 yield f"{self._attribute_by_parameter[parameter]}: {meaning}"
-        if cause.unless:
-            flags = " or ".join(self._class_names.attribute_name(flag.field.name) for flag in cause.unless)
+        if cause.overriding_flags:
+            flags = " or ".join(self._class_names.attribute_name(flag.field.name) for flag in cause.overriding_flags)
             yield f"It combines several flags. While {flags} is active, that flag decides instead."
 
     @property
@@ -127,7 +127,7 @@ class FrameReports:
     @property
     def default_verdict(self) -> str:
         """The verdict if no condition applies. Empty if the frame has no position."""
-        return self._verdict_rules.otherwise.name if self._verdict_rules is not None else ""
+        return self._verdict_rules.default_verdict.name if self._verdict_rules is not None else ""
 
     def _has_no_judging_bits(self, judging_bits: Expression) -> str:
         """Return the condition that the encoder's frames have no bits that say whether the position is usable.
@@ -183,8 +183,8 @@ class FrameReports:
         for code_condition in cause.conditions:
             parameter_code = f"self.variant.{self._attribute_by_parameter[code_condition.parameter]}"
             conditions.append(condition_on_parameter(code_condition, parameter_code))
-        if cause.unless:
-            combined_flags = [self._read_attribute(flag) for flag in cause.unless]
+        if cause.overriding_flags:
+            combined_flags = [self._read_attribute(flag) for flag in cause.overriding_flags]
             conditions.append(Not(join_operands("or", combined_flags)))
         return join_operands("and", conditions)
 
@@ -224,7 +224,7 @@ class FrameReports:
 
 def _depends_on_frame_only(cause: VerdictCause) -> bool:
     """Return whether a cause leads to its verdict with every order code, and whatever other flags are active."""
-    return isinstance(cause.cause, Reserved) or not (cause.conditions or cause.unless)
+    return isinstance(cause.cause, Reserved) or not (cause.conditions or cause.overriding_flags)
 
 
 def _meaning_while_active(cause: VerdictCause) -> str:

@@ -210,7 +210,7 @@ class ShapeLiteral:
                 arguments |= {"xorout": crc.xorout, "is_xor": True}
         else:
             gap = f", gap={frame_crc.bits_between}" if frame_crc.bits_between else ""
-            place_arguments = f"covered={layout_class.to_python(frame_crc.covered)}, width={crc.width}{gap}"
+            place_arguments = f"covered={layout_class.to_python(frame_crc.covered_width)}, width={crc.width}{gap}"
             arguments["differs"] = SourceText(f"compare_bits({layout_class.crc_name(frame_crc)}, {place_arguments})")
             if frame_crc.steps:
                 arguments |= {"xorout": crc.xorout, "steps": _fold_steps(frame_crc)}
@@ -285,5 +285,5 @@ def _fold_steps(frame_crc: FrameCrc) -> tuple[CallLiteral, ...]:
     """Return the steps that compute a CRC without a table, such as ``Fold(shift=8, mask=0x3F, back=2)``."""
     steps = frame_crc.steps
     return tuple(
-        record_call("Fold", {"shift": step.shift, "mask": Hex(step.mask), "back": step.back}) for step in steps
+        record_call("Fold", {"shift": step.shift, "mask": Hex(step.mask), "back": step.second_shift}) for step in steps
     )

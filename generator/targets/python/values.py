@@ -200,10 +200,10 @@ def limit_expressions(
 ) -> tuple[PythonExpression, PythonExpression]:
     """Return the lowest and the highest value. A limit that the spec does not give follows from the width."""
     lowest, highest = _limits_of_width(translator, limits)
-    if limits.low is not None:
-        lowest = translator.to_python(limits.low)
-    if limits.high is not None:
-        highest = translator.to_python(limits.high)
+    if limits.lowest is not None:
+        lowest = translator.to_python(limits.lowest)
+    if limits.highest is not None:
+        highest = translator.to_python(limits.highest)
     return lowest, highest
 
 
@@ -224,7 +224,7 @@ def _limits_of_width(
 
 def limits_depend(limits: NumberLimits) -> bool:
     """Return whether limits depend on the order code."""
-    deciding_limits = [limit for limit in (limits.low, limits.high) if limit is not None]
+    deciding_limits = [limit for limit in (limits.lowest, limits.highest) if limit is not None]
     # A limit that the spec does not give follows from the width.
     if len(deciding_limits) < 2:
         deciding_limits.append(limits.width)
