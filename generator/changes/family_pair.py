@@ -113,7 +113,7 @@ def _by_unique_identity(items: Sequence[_Item], identity_of: PairingKey) -> dict
     return items_by_identity
 
 
-def match_by_key(
+def keys_with_old_and_new(
     old_by_key: Mapping[_Key, _Item], new_by_key: Mapping[_Key, _Item]
 ) -> Iterator[tuple[_Key, _Item | None, _Item | None]]:
     """Yield every key with its old and new item: ``("pin 1", old_contact, None)`` for an item that is gone.
@@ -339,7 +339,7 @@ class FamilyPair:
             return tuple(expression.value(point.old_parameters) for point in points)
         return tuple(expression.value(point.new_parameters) for point in points)
 
-    def order_codes_over(self, interface: str, side: str = "common") -> tuple[str, ...]:
+    def order_codes_with_interface(self, interface: str, side: str = "common") -> tuple[str, ...]:
         """Return the order codes of an interface, or of all interfaces if ``interface`` is empty.
 
         ``side`` selects the codes of the ``old`` or ``new`` version, or the ``common`` codes, in the spelling of the
@@ -367,10 +367,10 @@ class FamilyPair:
         or procedure that moves to a different interface affects the order codes of both interfaces.
         """
         side = _affected_side(rule)
-        affected_codes = tuple(codes) if codes is not None else self.order_codes_over(subject.interface, side)
+        affected_codes = tuple(codes) if codes is not None else self.order_codes_with_interface(subject.interface, side)
         if rule in _RULES_OF_INTERFACES:
             old_interface = old
-            codes_of_both_interfaces = (*affected_codes, *self.order_codes_over(old_interface))
+            codes_of_both_interfaces = (*affected_codes, *self.order_codes_with_interface(old_interface))
             affected_codes = tuple(dict.fromkeys(codes_of_both_interfaces))
         affected_codes_text = ""
         # The text of a change of order codes already lists them.

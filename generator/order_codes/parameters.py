@@ -350,21 +350,21 @@ def _value_from_bytes(register: Register, parameter: Parameter, register_bytes: 
     if value is None:
         codes = ", ".join(str(coded_value.code) for coded_value in parameter.by_code)
         raise RegisterError(f"{parameter.read_from} does not hold a code of {parameter.name}; the codes are {codes}")
-    low = parameter.min or 0
-    high = value if parameter.max is None else parameter.max
-    if not low <= value <= high:
-        raise RegisterError(f"{parameter.name} is {value}; it can be {low} to {high}")
+    lowest = parameter.min or 0
+    highest = value if parameter.max is None else parameter.max
+    if not lowest <= value <= highest:
+        raise RegisterError(f"{parameter.name} is {value}; it can be {lowest} to {highest}")
     return value
 
 
-def _value_in_content(register: Register, parameter: Parameter, number: int) -> int | None:
-    """Return the value of a parameter in a register that contains ``number``, or None if its code is not valid.
+def _value_in_content(register: Register, parameter: Parameter, register_content: int) -> int | None:
+    """Return the value of a parameter in a register with this content, or None if its code is not valid.
 
     In some registers, 0 stands for a different number, ``zero_means``: 256 in 8 bits, for example.
     """
     field = register.layout.field(parameter.field)
     mask = (1 << field.widest) - 1
-    stored_number = (number >> field.low.constant) & mask
+    stored_number = (register_content >> field.low.constant) & mask
     if stored_number == 0 and not parameter.by_code:
         stored_number = field.number.zero_means
     return parameter.held_value(stored_number)

@@ -184,7 +184,7 @@ def _word_case(
     for placed_field in placed_layout.fields:
         place = owner.reading.field_place(owner.place, placed_field.field)
         description = f"{bits(placed_field.high, placed_field.low)} of {owner.description}"
-        bits_of_field = list(_yield_bits(placed_field, placed_layout, place))
+        bits_of_field = list(_bit_meanings(placed_field, placed_layout, place))
         if placed_field.field.byte_order:
             # The bits are compared as they are sent, in the byte order of the frame.
             bytes_of_field = [bits_of_field[low : low + 8] for low in range(0, placed_field.width, 8)]
@@ -197,7 +197,7 @@ def _word_case(
     return WordCase(bits=tuple(bits_by_number), fields=properties_by_low_and_width, names=name_facts.names)
 
 
-def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[BitMeaning]:
+def _bit_meanings(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[BitMeaning]:
     """Yield the meaning of each bit of a field, beginning with the lowest bit.
 
     Constants and unused bits have a fixed value. The bits of a number have weights, which continue across the fields of
@@ -205,7 +205,7 @@ def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: P
     part of a joined number.
     """
     kind = placed_field.field.kind
-    owner_text = _owner_text(kind, placed_field, placed_layout)
+    owner_text = _part_text(kind, placed_field, placed_layout)
     weight_in_join = _weight_in_join(placed_field, placed_layout)
     # In a field that is not part of a joined number, the lowest bit has the weight 0.
     lowest_weight = 0
@@ -223,7 +223,7 @@ def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: P
                 yield BitMeaning(owner_text, weight=lowest_weight + index, fixed=None, place=place)
 
 
-def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
+def _part_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return a text on what the bits of a field are, such as ``a signed number in Gray code`` or ``the CRC``."""
     match kind:
         case Number(signed=True):
@@ -310,18 +310,18 @@ def describe_bits(adjacent_bits: Sequence[BitMeaning]) -> str:
     return f"{bits(highest_bit.weight, lowest_bit.weight)} of {highest_bit.part}"
 
 
-def continues_item(bit: BitMeaning, above: BitMeaning) -> bool:
-    """Return whether a bit belongs to the same item as ``above``, the next higher bit.
+def continues_item(bit: BitMeaning, bit_above: BitMeaning) -> bool:
+    """Return whether a bit belongs to the same item as ``bit_above``, the next higher bit.
 
     The part and the place of the two are equal, both or neither are constant, and weights, if any, are consecutive.
     """
-    if (bit.part, bit.place) != (above.part, above.place):
+    if (bit.part, bit.place) != (bit_above.part, bit_above.place):
         return False
     is_constant = bit.fixed is not None
-    is_constant_above = above.fixed is not None
+    is_constant_above = bit_above.fixed is not None
     if is_constant != is_constant_above:
         return False
-    return bit.weight is None or above.weight is None or bit.weight + 1 == above.weight
+    return bit.weight is None or bit_above.weight is None or bit.weight + 1 == bit_above.weight
 
 
 def add_registers(reading: SpecReading, facts: ComparedFacts) -> None:
@@ -332,13 +332,13 @@ def add_registers(reading: SpecReading, facts: ComparedFacts) -> None:
             reading, key=key, place=place, description=register_text(register), interface=register.interface
         )
         facts.add(_register_facts(subject, register))
-        _add_names(subject, register, facts)
+        _add_names_of_referred_fields(subject, register, facts)
         # The bits of a joined number follow from its fields.
         facts.derived[FactClass.POSITION] += len(register.layout.joins)
         facts.words[key] = word_bits(subject, register.layout, register)
 
 
-def _add_names(subject: FactSubject, register: Register, facts: ComparedFacts) -> None:
+def _add_names_of_referred_fields(subject: FactSubject, register: Register, facts: ComparedFacts) -> None:
     """Add the names of the fields that a register refers to: the field that its limits apply to, and the opening field.
 
     The register can only be written after the opening field has a certain value. If only a register is named there, the

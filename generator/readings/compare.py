@@ -46,7 +46,7 @@ def compare(spec: ComparedFacts, second: ComparedFacts) -> Comparison:
         # If the byte orders differ, all bits differ too, so only the byte orders are reported.
         if not _have_different_byte_orders(key, spec, second):
             compare_word(comparison, spec_word, second.words.get(key))
-    _count_undecided(comparison, spec, second)
+    _correct_read_counts(comparison, spec, second)
     return comparison
 
 
@@ -131,7 +131,7 @@ def _sections_at(fact_place: Path, second: ComparedFacts) -> Sequence[str]:
     return ()
 
 
-def _count_undecided(comparison: Comparison, spec: ComparedFacts, second: ComparedFacts) -> None:
+def _correct_read_counts(comparison: Comparison, spec: ComparedFacts, second: ComparedFacts) -> None:
     """Correct the counts of facts that so far count as read twice, although little was compared.
 
     A text or citation that the second reading only gives by its path counts as read once. So does a characteristic

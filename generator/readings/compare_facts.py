@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
-from ..changes.family_pair import match_by_key
+from ..changes.family_pair import keys_with_old_and_new
 from ..language.document import Path
 from ..say import first_of
 from ..say.names_and_evidence import bits as bits_text
@@ -48,7 +48,7 @@ def compare_facts(
     also if the spec implies it. ``place_in_spec`` returns the place where the spec should state such a fact, or None if
     it need not.
     """
-    for key, second_fact, spec_fact in match_by_key(second_facts, spec_facts):
+    for key, second_fact, spec_fact in keys_with_old_and_new(second_facts, spec_facts):
         if spec_fact is not None and not spec_fact.is_implied:
             if second_fact is not None:
                 yield from _compare_values(comparison, spec_fact, second_fact)

@@ -146,23 +146,28 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
     reported_disagreements.sort(key=_sort_key)
     disagreements_by_cause: dict[object, list[Disagreement]] = {}
     for index, disagreement in enumerate(reported_disagreements):
-        known_causes = disagreements_by_cause.keys()
-        cause = (
-            _known_renaming_of_entry(disagreement, known_causes)
-            or _known_renaming_of_place(disagreement, known_causes)
-            or _known_change_of_time(disagreement, known_causes)
-            or _exchanged_bits(disagreement, reported_disagreements)
-            or _changed_parameters(disagreement, reported_disagreements)
-            or _register_that_only_second_has(disagreement, reported_disagreements)
-            or _known_own_cause(disagreement, known_causes)
-            or _number_that_texts_lack(disagreement, reported_disagreements)
-            or _own_cause(disagreement)
-            # A unique number, so that the disagreement is not grouped.
-            or index
-        )
-        disagreements_by_cause.setdefault(cause, []).append(disagreement)
+        cause = _find_cause(disagreement, reported_disagreements, known_causes=disagreements_by_cause.keys())
+        # The index is a unique key, so that a disagreement without a cause is not grouped.
+        disagreements_by_cause.setdefault(cause or index, []).append(disagreement)
     groups = disagreements_by_cause.values()
     return [Related(first_disagreement=group[0], others=tuple(group[1:])) for group in groups]
+
+
+def _find_cause(
+    disagreement: Disagreement, all_disagreements: Sequence[Disagreement], known_causes: Collection[object]
+) -> object:
+    """Return the first cause that explains a disagreement: a known one, one shared with others, or its own, or None."""
+    return (
+        _known_renaming_of_entry(disagreement, known_causes)
+        or _known_renaming_of_place(disagreement, known_causes)
+        or _known_change_of_time(disagreement, known_causes)
+        or _exchanged_bits(disagreement, all_disagreements)
+        or _changed_parameters(disagreement, all_disagreements)
+        or _register_that_only_second_has(disagreement, all_disagreements)
+        or _known_own_cause(disagreement, known_causes)
+        or _number_that_texts_lack(disagreement, all_disagreements)
+        or _own_cause(disagreement)
+    )
 
 
 def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool, bool]:

@@ -15,8 +15,8 @@ from .page_layout import (
     LEAST_REPETITIONS,
     LONGEST_HEAD,
     find_heads_at_edges,
-    find_page_numbers,
-    find_running_heads,
+    find_lines_of_page_numbers,
+    find_lines_of_running_heads,
     without_digits,
     without_edges,
 )
@@ -174,8 +174,8 @@ def divide_into_sections(text: str) -> Manual:
     running_heads: set[int] = set()
     page_numbers: set[int] = set()
     if not has_pages:
-        running_heads = find_running_heads(lines, set(headings))
-        page_numbers = find_page_numbers(lines)
+        running_heads = find_lines_of_running_heads(lines, set(headings))
+        page_numbers = find_lines_of_page_numbers(lines)
     sections: list[Section] = []
     for (number, title), body_lines in _lines_below_headings(
         lines, headings, contents_lines, running_heads | page_numbers

@@ -58,12 +58,12 @@ class VirtualEncoder:
         edition: str = "",
         specs: Iterable[str | Path] = (),
     ) -> None:
-        self.device, match = find_order_code(order_code, tuple(map(Path, specs)), edition)
+        self.device, label_match = find_order_code(order_code, tuple(map(Path, specs)), edition)
         self.answers = dict(choose or {})
-        self._check_answers(match.variant)
-        self.variant = with_answers(self.device, match.variant, self.answers)
+        self._check_answers(label_match.variant)
+        self.variant = with_answers(self.device, label_match.variant, self.answers)
         #: Layouts as placed for a variant, by name.
-        self._placed_for = self.variant
+        self._variant_of_placed_layouts = self.variant
         self._placed_layouts: dict[str, PlacedLayout] = {}
         self.position = position
         self.faults = Faults(self.variant.interface, faults, seed)
@@ -269,8 +269,8 @@ class VirtualEncoder:
     def place(self, layout: Layout) -> PlacedLayout:
         """Return the positions and widths of the fields of a layout, for the current parameters of the encoder."""
         # A write to a register can change parameters, and then replaces ``variant``.
-        if self._placed_for is not self.variant:
-            self._placed_for = self.variant
+        if self._variant_of_placed_layouts is not self.variant:
+            self._variant_of_placed_layouts = self.variant
             self._placed_layouts = {}
         if layout.name not in self._placed_layouts:
             self._placed_layouts[layout.name] = layout.place(self.variant.parameters)
@@ -419,13 +419,13 @@ class VirtualEncoder:
         Raises:
             ValueError: An answer is unknown or missing.
         """
-        options: list[str] = []
+        possible_options: list[str] = []
         for alternative in self.device.alternatives:
-            options += [f"{alternative.name}={answer.name}" for answer in alternative.answers]
-        for name, answer_name in self.answers.items():
-            chosen_option = f"{name}={answer_name}"
-            if chosen_option not in options:
-                options_text = " or ".join(options) or "none"
+            possible_options += [f"{alternative.name}={answer.name}" for answer in alternative.answers]
+        for question_name, answer_name in self.answers.items():
+            chosen_option = f"{question_name}={answer_name}"
+            if chosen_option not in possible_options:
+                options_text = " or ".join(possible_options) or "none"
                 raise ValueError(f"'{chosen_option}' answers no question of {variant.code}; write {options_text}")
         for layout in self.device.interface(variant.interface).layouts:
             if self.device.sends_position(variant.interface, layout):

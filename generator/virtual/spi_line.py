@@ -28,16 +28,16 @@ class SpiLine:
             raise ValueError(f"{encoder.variant.code} has no SPI")
         self.encoder, self.interface = encoder, interface
         parameters = encoder.variant.parameters
-        self._lengths = sorted({length.value(parameters) for length in interface.lengths}, reverse=True)
+        self._word_lengths = sorted({length.value(parameters) for length in interface.lengths}, reverse=True)
         default_length = interface.word_bits.value(parameters)
         #: Number of bits of a word that is not a known request.
-        self.word_bits = default_length if default_length in self._lengths else self._lengths[-1]
+        self.word_bits = default_length if default_length in self._word_lengths else self._word_lengths[-1]
         self._write_exchanges = [exchange for exchange in interface.exchanges if exchange.purpose == "write"]
         #: Address and data of a write of several words, as far as they have been received.
         self._written_fields: dict[str, int] = {}
         #: The reply that is sent with the next word, and its length, if replies are sent one word later.
         self._next_reply = 0, self.word_bits
-        self._received, self._answers = b"", b""
+        self._received_bytes, self._unsent_bytes = b"", b""
 
     def exchange(self, word: int, bits: int | None = None) -> int:
         """Receive a word, and return the word that the encoder sends at the same time. A fault can change it.
@@ -52,8 +52,8 @@ class SpiLine:
         """
         length = self.word_bits if bits is None else bits
         does_not_fit = word >> length != 0
-        if length not in self._lengths or does_not_fit:
-            lengths_text = " or ".join(map(str, sorted(self._lengths)))
+        if length not in self._word_lengths or does_not_fit:
+            lengths_text = " or ".join(map(str, sorted(self._word_lengths)))
             raise ValueError(
                 f"0x{word:X} is not a word of {length} bits; {self.encoder.variant.code} has {lengths_text} bits"
             )
@@ -73,34 +73,34 @@ class SpiLine:
 
         If words have several lengths, all bytes of a word must be passed in one call.
         """
-        self._received += data
-        while (word_bits := self._length_of_first_word()) is not None:
+        self._received_bytes += data
+        while (word_bits := self._bits_of_first_word()) is not None:
             byte_count = (word_bits + 7) // 8
-            word = _first_word(self._received, word_bits)
-            self._received = self._received[byte_count:]
+            word = _first_word(self._received_bytes, word_bits)
+            self._received_bytes = self._received_bytes[byte_count:]
             answer = self.exchange(word, word_bits)
-            self._answers += answer.to_bytes(byte_count, "big")
+            self._unsent_bytes += answer.to_bytes(byte_count, "big")
 
     def send(self) -> bytes:
         """Return the words sent since the last call as bytes."""
-        answers, self._answers = self._answers, b""
+        answers, self._unsent_bytes = self._unsent_bytes, b""
         return answers
 
     def due(self) -> float | None:
         """Return None, because every answer is available at once."""
         return None
 
-    def _length_of_first_word(self) -> int | None:
+    def _bits_of_first_word(self) -> int | None:
         """Return the number of bits of the first received word, or None if it is still incomplete.
 
         If words have several lengths, it is the longest with which the bytes are a valid request, or else
         ``word_bits``.
         """
-        received_bits = 8 * len(self._received)
-        if len(self._lengths) > 1:
-            complete_lengths = [length for length in self._lengths if length <= received_bits]
+        received_bits = 8 * len(self._received_bytes)
+        if len(self._word_lengths) > 1:
+            complete_lengths = [length for length in self._word_lengths if length <= received_bits]
             for length in complete_lengths:
-                word = _first_word(self._received, length)
+                word = _first_word(self._received_bytes, length)
                 if self._find_request(word, length) is not None:
                     return length
         return self.word_bits if self.word_bits <= received_bits else None
@@ -179,11 +179,11 @@ class SpiLine:
         return member_named(self.interface.layouts, name, "layout over SPI")
 
 
-def _first_word(data: bytes, bits: int) -> int:
-    """Return the first word in the data, as a number. ``bits`` is its length.
+def _first_word(data: bytes, word_bits: int) -> int:
+    """Return the first word in the data, as a number. ``word_bits`` is its length.
 
     If the word does not fill whole bytes, the top bits of its first byte are ignored.
     """
-    byte_count = (bits + 7) // 8
-    mask = (1 << bits) - 1
+    byte_count = (word_bits + 7) // 8
+    mask = (1 << word_bits) - 1
     return int.from_bytes(data[:byte_count], "big") & mask

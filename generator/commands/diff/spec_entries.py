@@ -49,16 +49,18 @@ def _represent_hexadecimal(dumper: _Dumper, number: _Hexadecimal) -> yaml.Scalar
 _Dumper.add_representer(_Hexadecimal, _represent_hexadecimal)
 
 
-def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Change]) -> Iterator[str]:
+def edition_entries(
+    old_families: Sequence[Family], new_families: Sequence[Family], changes: Sequence[Change]
+) -> Iterator[str]:
     """Yield an ``editions`` entry for each family whose manual has a new edition that no longer contains some items.
 
     The entry keeps these items for older encoders. Families are matched by name. Renamed items were not removed, except
     options of the order code, because the labels of older encoders have the old text.
     """
     renamings = [change for change in changes if change.rule.is_renaming and isinstance(change.old, str)]
-    old_families = {family.device.name: family for family in olds}
-    for new in news:
-        old = old_families.get(new.device.name)
+    old_family_by_name = {family.device.name: family for family in old_families}
+    for new in new_families:
+        old = old_family_by_name.get(new.device.name)
         if old is None or old.device.manual.revision == new.device.manual.revision:
             continue
         renamed_places = {_old_place(change) for change in renamings if change.family == new.device.name}
@@ -177,7 +179,7 @@ def _order_code_changes(
         new_labels += _new_labels(place, removed_option, old_data, new_data)
     for place in new_labels:
         yield {"remove": place, "why": f"Edition {new_revision} has this label for it", "source": source}
-    new_codes = {variant.code for variant in new_family.device.variants if _selects_any(variant, new_labels)}
+    new_codes = {variant.code for variant in new_family.device.variants if _has_any_option(variant, new_labels)}
     old_examples = {example["name"] for example in old_data.get("examples", ())}
     for example in new_data.get("examples", ()):
         if example["name"] not in old_examples and example.get("order_code") in new_codes:
@@ -236,11 +238,11 @@ def _selection_of_option(option: Any) -> Mapping[str, Any]:
     return selects or {"meaning": option.get("meaning")}
 
 
-def _selects_any(variant: Variant, option_places: Iterable[str]) -> bool:
+def _has_any_option(variant: Variant, option_places: Iterable[str]) -> bool:
     """Return whether an order code has one of these options, such as ``order_code.parts.output.values.B``."""
     for option_place in option_places:
-        option = _OPTION_PATH.fullmatch(option_place)
-        if option is not None and variant.parts.get(option["part"]) == option["label"]:
+        option_match = _OPTION_PATH.fullmatch(option_place)
+        if option_match is not None and variant.parts.get(option_match["part"]) == option_match["label"]:
             return True
     return False
 

@@ -208,10 +208,10 @@ def _line_about_specs(
 
     ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
     """
-    from ..check import read_line
+    from ..check import specs_read_line
     from ..new import placeholder_line
 
-    specs_line = read_line([device.name for device in devices], report, packaged, packaged_files)
+    specs_line = specs_read_line([device.name for device in devices], report, packaged, packaged_files)
     todo_line = placeholder_line(report.files)
     return f"{specs_line}\n{todo_line}" if todo_line else specs_line
 
@@ -268,12 +268,12 @@ def is_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> 
     return True
 
 
-def result_to_store(read_line: str, files: Files, families: Families) -> Generated:
+def result_to_store(specs_read_line: str, files: Files, families: Families) -> Generated:
     """Return the result of a run that rendered these files."""
     from ...write_and_remove import digest_of
 
     count = sum(map(len, files.values()))
-    return Generated(read_line=read_line, targets=list(files), count=count, digest=digest_of(files, families))
+    return Generated(read_line=specs_read_line, targets=list(files), count=count, digest=digest_of(files, families))
 
 
 def print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
