@@ -32,11 +32,11 @@ def compare(spec: ComparedFacts, second: ComparedFacts) -> Comparison:
     """
     spec = with_row_numbers_of(with_connector_numbers_of(spec, second), second)
     comparison = Comparison(has_names_of_spec=use_same_names(spec, second))
-    place_in_spec = partial(_nearest_place, comparison, spec, second)
+    find_path_in_spec = partial(_nearest_path, comparison, spec, second)
     # A fact that the second reading gives by its path gets the key of the fact in the spec.
     second_facts = second.facts | dict(_facts_by_path(spec, second))
     disagreements = chain(
-        compare_facts(comparison, spec.facts, second_facts, place_in_spec),
+        compare_facts(comparison, spec.facts, second_facts, find_path_in_spec),
         _compare_order_codes(spec, second),
         compare_names(comparison, spec.names, second.names),
     )
@@ -58,7 +58,7 @@ def _have_different_byte_orders(word_key: FactKey, spec: ComparedFacts, second: 
     return str(spec.facts[order_key].value) != str(second.facts[order_key].value)
 
 
-def _nearest_place(
+def _nearest_path(
     comparison: Comparison, spec: ComparedFacts, second: ComparedFacts, second_fact: ComparedFact
 ) -> Path | None:
     """Return the place where the spec should state a fact that only the second reading has, or None if it need not.
@@ -75,28 +75,28 @@ def _nearest_place(
         return None
     if second_fact.depends_on:
         subject_fact = spec.facts.get(second_fact.depends_on)
-        return subject_fact.place if subject_fact is not None else None
+        return subject_fact.path_in_file if subject_fact is not None else None
     unmatched_facts: list[ComparedFact] = []
     for spec_key, spec_fact in spec.facts.items():
         is_of_same_kind = spec_key[:2] == second_fact.key[:2] and spec_fact.fact_class is second_fact.fact_class
         if is_of_same_kind and not spec_fact.depends_on and spec_fact.key not in second.facts:
             unmatched_facts.append(spec_fact)
     if len(unmatched_facts) == 1:
-        return unmatched_facts[0].place
-    return _nearest_container(second_fact.place)
+        return unmatched_facts[0].path_in_file
+    return _nearest_container(second_fact.path_in_file)
 
 
-def _nearest_container(fact_place: Path) -> Path:
+def _nearest_container(fact_path: Path) -> Path:
     """Return the nearest list or map around a place that exists in every spec.
 
     In general, this is the first step of the place, such as ``("registers",)``. In interfaces and the manual, it has
     three steps, such as ``("interfaces", "ssi", "layouts")``, or two if the place has no third step or it is an index.
     """
-    if fact_place[0] not in ("interfaces", "manual"):
-        return fact_place[:1]
-    third_steps = fact_place[2:3]  # Empty if the place has only two steps.
+    if fact_path[0] not in ("interfaces", "manual"):
+        return fact_path[:1]
+    third_steps = fact_path[2:3]  # Empty if the place has only two steps.
     is_third_step_a_name = any(isinstance(step, str) for step in third_steps)
-    return fact_place[:3] if is_third_step_a_name else fact_place[:2]
+    return fact_path[:3] if is_third_step_a_name else fact_path[:2]
 
 
 def _facts_by_path(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[FactKey, ComparedFact]]:
@@ -106,26 +106,33 @@ def _facts_by_path(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple
     have the path, a separate fact is yielded.
     """
     text_facts = [fact for fact in spec.facts.values() if fact.fact_class in _TEXT_CLASSES]
-    spec_fact_by_path = {dotted_path(fact.place): fact for fact in text_facts}
+    spec_fact_by_path = {dotted_path(fact.path_in_file): fact for fact in text_facts}
     for path, printed_numbers in second.printed_numbers.items():
         spec_fact = spec_fact_by_path.get(path)
         if spec_fact is None:
             spec_fact = ComparedFact(
-                fact_class=FactClass.TEXT, key=(NUMBERS, path), value="", description=f"numbers in {path}", place=()
+                fact_class=FactClass.TEXT,
+                key=(NUMBERS, path),
+                value="",
+                description=f"numbers in {path}",
+                path_in_file=(),
             )
-        yield spec_fact.key, replace(spec_fact, value=printed_numbers.text, place=printed_numbers.place)
+        yield spec_fact.key, replace(spec_fact, value=printed_numbers.text, path_in_file=printed_numbers.path_in_file)
     for key, spec_fact in spec.facts.items():
-        if spec_fact.fact_class is FactClass.SECTION and dotted_path(spec_fact.place) not in second.printed_numbers:
-            sections = _sections_at(spec_fact.place, second)
+        if (
+            spec_fact.fact_class is FactClass.SECTION
+            and dotted_path(spec_fact.path_in_file) not in second.printed_numbers
+        ):
+            sections = _sections_at(spec_fact.path_in_file, second)
             if sections:
-                second_place = ("sections", sections[0])
-                yield key, replace(spec_fact, value=", ".join(sorted(sections)), place=second_place)
+                path_in_second = ("sections", sections[0])
+                yield key, replace(spec_fact, value=", ".join(sorted(sections)), path_in_file=path_in_second)
 
 
-def _sections_at(fact_place: Path, second: ComparedFacts) -> Sequence[str]:
+def _sections_at(fact_path: Path, second: ComparedFacts) -> Sequence[str]:
     """Return the sections that the second reading cites for a place, or else for the nearest place around it."""
-    for length in range(len(fact_place), 0, -1):
-        path = dotted_path(fact_place[:length])
+    for length in range(len(fact_path), 0, -1):
+        path = dotted_path(fact_path[:length])
         if path in second.sections:
             return second.sections[path]
     return ()
@@ -137,18 +144,18 @@ def _correct_read_counts(comparison: Comparison, spec: ComparedFacts, second: Co
     A text or citation that the second reading only gives by its path counts as read once. So does a characteristic
     without numbers, of which only the name was compared. Facts that no manual prints count as decided by the reader.
     """
-    for (fact_class, place), read in comparison.read_by_place.items():
+    for (fact_class, path_in_file), read in comparison.how_often_read_by_fact.items():
         if read is not HowOftenRead.TWICE:
             continue
-        path = dotted_path(place)
+        path = dotted_path(path_in_file)
         # This is the place of a characteristic itself, such as ("characteristics", "weight").
-        is_characteristic = fact_class is FactClass.CHARACTERISTIC and len(place) == 2
-        is_only_name = is_characteristic and (NUMBERS, *place, "value") not in spec.facts
+        is_characteristic = fact_class is FactClass.CHARACTERISTIC and len(path_in_file) == 2
+        is_only_name = is_characteristic and (NUMBERS, *path_in_file, "value") not in spec.facts
         is_from_path = fact_class in _TEXT_CLASSES and path in second.printed_numbers
         if is_only_name or is_from_path:
-            comparison.read_by_place[fact_class, place] = HowOftenRead.ONCE
+            comparison.how_often_read_by_fact[fact_class, path_in_file] = HowOftenRead.ONCE
         elif fact_class not in _TEXT_CLASSES and _is_decided(fact_class, path, second.decided):
-            comparison.read_by_place[fact_class, place] = HowOftenRead.DECIDED
+            comparison.how_often_read_by_fact[fact_class, path_in_file] = HowOftenRead.DECIDED
 
 
 def _is_decided(fact_class: FactClass, path: str, decided: Sequence[str]) -> bool:
@@ -178,21 +185,21 @@ def _compare_order_codes(spec: ComparedFacts, second: ComparedFacts) -> Iterator
             description=_describe_with_count(only_in_spec),
             spec_value=value_text(first_fact.value),
             second_value=NOTHING,
-            spec_place=first_fact.place,
-            second_place=_first_place(second_codes),
+            path_in_spec=first_fact.path_in_file,
+            path_in_second=_first_path(second_codes),
         )
     only_in_second = [fact for key, fact in second_codes.items() if key not in spec_codes]
     if only_in_second:
         described_fact = replace(only_in_second[0], description=_describe_with_count(only_in_second))
-        yield missing_in_spec(described_fact, _first_place(spec_codes))
+        yield missing_in_spec(described_fact, _first_path(spec_codes))
 
 
 def _order_codes_of(facts: ComparedFacts) -> dict[FactKey, ComparedFact]:
     return {key: fact for key, fact in facts.facts.items() if key[0] == "code"}
 
 
-def _first_place(facts: dict[FactKey, ComparedFact]) -> Path:
-    return next(iter(facts.values())).place
+def _first_path(facts: dict[FactKey, ComparedFact]) -> Path:
+    return next(iter(facts.values())).path_in_file
 
 
 def _describe_with_count(facts: Sequence[ComparedFact]) -> str:
