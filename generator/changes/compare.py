@@ -124,6 +124,7 @@ def _compare_number(
     rule = WIDER[member.rule] if is_wider else member.rule
     values_text = _difference_text(difference, old_expression, new_expression, member.notation)
     description = f": {member.words} {values_text}"
+    # Without codes of its own, the change affects all order codes of the interface.
     yield family_pair.change(rule, subject, description=description, old=old, new=new, codes=difference.codes or None)
 
 

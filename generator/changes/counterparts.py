@@ -216,10 +216,11 @@ def _identity_of(part: Any, family_pair: FamilyPair, *, is_old: bool, interface:
     layout = part.layout if isinstance(part, Register) else part
     if isinstance(layout, Layout):
         layout_interface = interface or part.interface
-        field_bits: list[tuple[int | str, ...]] = []
+        bits_of_fields: list[tuple[int | str, ...]] = []
         for field in layout.fields:
-            field_bits.append(family_pair.low_bits_and_widths(field, layout_interface, is_old=is_old))
-        identifying_values.append(tuple(field_bits))
+            bits_of_fields.append(family_pair.low_bits_and_widths(field, layout_interface, is_old=is_old))
+        identifying_values.append(tuple(bits_of_fields))
+    # A part without any identifying value is only identified by its name.
     return tuple(identifying_values) if any(identifying_values) else None
 
 

@@ -34,23 +34,30 @@ def parameters_of(device: Device, interface_name: str) -> tuple[Parameter, ...]:
     used_by_any: set[str] = set()
     for interface in device.interfaces:
         used_by_any |= _used_parameters(device, interface.name)
-    formulas: dict[str, Expression] = {}
+    formula_by_name: dict[str, Expression] = {}
     selected_names: set[str] = set()
     for parameter in device.parameters:
         if parameter.interface not in ("", interface_name):
             continue
         if parameter.equals is not None:
-            formulas[parameter.name] = parameter.equals
+            formula_by_name[parameter.name] = parameter.equals
         is_for_information = parameter.equals is None and parameter.name not in used_by_any
         if parameter.name in used_by_interface or is_for_information:
             selected_names.add(parameter.name)
+    selected_names |= _computable_names(formula_by_name, known_names=selected_names)
+    return tuple(parameter for parameter in device.parameters if parameter.name in selected_names)
+
+
+def _computable_names(formula_by_name: Mapping[str, Expression], known_names: Collection[str]) -> set[str]:
+    """Return the names of the parameters whose formulas only need known parameters, or others that are computable."""
+    computable_names: set[str] = set()
     # A formula may use the result of another formula, so repeat until no parameter is added.
     while True:
-        computable = {name for name, formula in formulas.items() if selected_names.issuperset(formula.parameters)}
-        if computable <= selected_names:
-            break
-        selected_names |= computable
-    return tuple(parameter for parameter in device.parameters if parameter.name in selected_names)
+        usable_names = {*known_names, *computable_names}
+        next_names = {name for name, formula in formula_by_name.items() if usable_names.issuperset(formula.parameters)}
+        if next_names <= computable_names:
+            return computable_names
+        computable_names |= next_names
 
 
 def run_time_names(device: Device) -> frozenset[str]:

@@ -45,8 +45,8 @@ def compare_facts(
     """Yield the disagreements between the facts of a spec and of its second reading, and count the facts of the spec.
 
     A fact that only the spec states counts as read once. A fact that only the second reading states is a disagreement,
-    also if the spec implies it. ``find_path_in_spec`` returns where the spec should state such a fact, or None if it need
-    not.
+    also if the spec implies it. ``find_path_in_spec`` returns where the spec should state such a fact, or None for a
+    fact that it need not state.
     """
     for key, second_fact, spec_fact in keys_with_old_and_new(second_facts, spec_facts):
         if spec_fact is not None and not spec_fact.is_implied:

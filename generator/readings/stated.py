@@ -150,6 +150,7 @@ class FactSubject:
         In the table of members, ``read`` is the class of the fact. Members without it have no fact, and neither have
         members in ``without``.
         """
+        reading, subject_path = self.reading, self.path_in_file
         attributes = {member_field.name for member_field in fields(model_part)}
         for member in PARTS_BY_CLASS[type(model_part).__name__].members:
             if not member.read or member.attribute not in attributes or member.name in without:
@@ -157,27 +158,21 @@ class FactSubject:
             member_value = getattr(model_part, member.attribute)
             if member.is_stated(member_value):
                 # The key of the member in the spec is its name in the model or in the table.
-                path_in_file = self.reading.first_existing(
-                    (*self.path_in_file, member.attribute), (*self.path_in_file, member.name)
-                )
-                text = _value_text(self.reading, member, member_value, self.interface)
+                path = reading.first_existing((*subject_path, member.attribute), (*subject_path, member.name))
+                text = _value_text(reading, member, member_value, self.interface)
                 noun = member.noun or member.words
                 yield self.detail_fact(
-                    FactClass(member.read), name=member.name, value=text, noun=noun, path_in_file=path_in_file
+                    FactClass(member.read), name=member.name, value=text, noun=noun, path_in_file=path
                 )
-        for language, text in self.reading.printed_names(model_part).items():
-            possible_paths = (
-                (*self.path_in_file, "names", language),
-                (*self.path_in_file, "printed_name"),
-                self.path_in_file,
-            )
-            path_in_file = self.reading.first_existing(*possible_paths)
+        for language, printed_name in reading.printed_names(model_part).items():
+            possible_paths = (*subject_path, "names", language), (*subject_path, "printed_name"), subject_path
+            path = reading.first_existing(*possible_paths)
             yield self.detail_fact(
                 FactClass.PRINTED,
                 name=f"name in {language}",
-                value=text,
+                value=printed_name,
                 noun="printed name",
-                path_in_file=path_in_file,
+                path_in_file=path,
                 may_be_missing=True,
             )
 
