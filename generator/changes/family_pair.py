@@ -89,8 +89,8 @@ def pair_by_name(
     new_names = {name_of(new_item) for new_item in new_items}
     without_new_name = [old_item for old_item in old_items if name_of(old_item) not in new_names]
     without_old_name = [new_item for new_item in new_items if name_of(new_item) not in old_names]
-    old_by_identity = _by_unique_identity(without_new_name, identity_of_old)
-    new_by_identity = _by_unique_identity(without_old_name, identity_of_new or identity_of_old)
+    old_by_identity = _item_by_unique_identity(without_new_name, identity_of_old)
+    new_by_identity = _item_by_unique_identity(without_old_name, identity_of_new or identity_of_old)
     paired_old_names = set(new_names)
     for identity, new_item in new_by_identity.items():
         if identity in old_by_identity:
@@ -102,15 +102,15 @@ def pair_by_name(
     return new_pairs + [OldAndNew(old=gone_item, new=None) for gone_item in gone_items]
 
 
-def _by_unique_identity(items: Sequence[_Item], identity_of: PairingKey) -> dict[Hashable, _Item]:
+def _item_by_unique_identity(items: Sequence[_Item], identity_of: PairingKey) -> dict[Hashable, _Item]:
     """Return the items by their identities, without items that have no identity or share it with another item."""
     identities = [identity_of(item) for item in items]
-    counts = Counter(identities)
-    items_by_identity: dict[Hashable, _Item] = {}
+    count_by_identity = Counter(identities)
+    item_by_identity: dict[Hashable, _Item] = {}
     for identity, item in zip(identities, items, strict=True):
-        if identity is not None and counts[identity] == 1:
-            items_by_identity[identity] = item
-    return items_by_identity
+        if identity is not None and count_by_identity[identity] == 1:
+            item_by_identity[identity] = item
+    return item_by_identity
 
 
 def keys_with_old_and_new(

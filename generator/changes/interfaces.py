@@ -294,10 +294,12 @@ def compare_contacts(
     exchanged_pairs = _exchanged_contacts(old, new)
     exchanged_contacts = {contact for pair in exchanged_pairs for contact in pair}
     changes = list(_compare_each_contact(family_pair, subject, old, new, exchanged_contacts))
-    for first, second in exchanged_pairs:
+    for first_contact, second_contact in exchanged_pairs:
         signals = {contact.contact: contact.signal for contact in new.contacts}
-        first_signal, second_signal = signals[first], signals[second]
-        contact_subject = subject.inside(first, f"{subject.label}: contacts {first} and {second}")
+        first_signal, second_signal = signals[first_contact], signals[second_contact]
+        contact_subject = subject.inside(
+            first_contact, f"{subject.label}: contacts {first_contact} and {second_contact}"
+        )
         changes.append(
             family_pair.change(
                 "contact",
@@ -337,7 +339,7 @@ def _compare_each_contact(
     A contact is identified by its pin or wire color. If only the old version has it, the text is ``signal SL → none``,
     and if only the new version has it, ``signal none → SL``.
     """
-    old_contacts, new_contacts = _by_member(old.contacts, "contact"), _by_member(new.contacts, "contact")
+    old_contacts, new_contacts = _part_by_member(old.contacts, "contact"), _part_by_member(new.contacts, "contact")
     for contact, old_contact, new_contact in keys_with_old_and_new(old_contacts, new_contacts):
         if contact in exchanged_contacts:
             continue
@@ -365,7 +367,7 @@ def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
             shared_names = repeated_names(old_section) | repeated_names(new_section)
             old_section = with_distinct_names(old_section, shared_names)
             new_section = with_distinct_names(new_section, shared_names)
-        old_parts, new_parts = _by_member(old_section, key_member), _by_member(new_section, key_member)
+        old_parts, new_parts = _part_by_member(old_section, key_member), _part_by_member(new_section, key_member)
         for key, old, new in keys_with_old_and_new(old_parts, new_parts):
             if old != new:
                 subject = ChangeSubject(path=f"{section}.{key}", label=f"{noun} {key}")
@@ -377,7 +379,7 @@ def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
         yield from compare_members(family_pair, subject, old_group, new_group)
 
 
-def _by_member(parts: Iterable[_Part], member_name: str) -> dict[Any, _Part]:
+def _part_by_member(parts: Iterable[_Part], member_name: str) -> dict[Any, _Part]:
     """Return the parts by the value of their member ``member_name``, such as ``contact`` or ``key``."""
     return {getattr(part, member_name): part for part in parts}
 

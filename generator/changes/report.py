@@ -289,7 +289,7 @@ def _documentation_lines(changes: Sequence[Change]) -> Iterator[str]:
     """Yield a wrapped text for each rule of documentation changes: the first few places and the number of others."""
     for rule in dict.fromkeys(change.rule for change in changes):
         changes_of_rule = [change for change in changes if change.rule is rule]
-        places = first_of([_place_or_text(change) for change in changes_of_rule], between="; ")
+        places = first_of([_path_or_text(change) for change in changes_of_rule], between="; ")
         line_beginning = _first_column(rule.word)
         yield wrap_text(f"{places} [{rule.name}]", WIDTH, prefix=" " * _TEXT_COLUMN, first=line_beginning)
 
@@ -304,7 +304,7 @@ def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
     yield wrap_text(names_text, WIDTH, prefix=" " * _TEXT_COLUMN, first=_first_column("names"))
 
 
-def _place_or_text(change: Change) -> str:
+def _path_or_text(change: Change) -> str:
     """Return the place of a change of texts or citations, or for any other change its text.
 
     A place inside an interface is shortened: ``ssi.frame.position`` for ``interfaces.ssi.layouts.frame.position``.

@@ -137,21 +137,21 @@ _ONLY_AFTER = {
 }
 
 
-class _SpecText(NamedTuple):
-    """A text of a spec with gaps, and its place."""
+class _SpecTextWithGaps(NamedTuple):
+    """A text of a spec with gaps, and its path."""
 
-    place: Path
+    spec_path: Path
     cloze: ClozeText
 
 
-def clozes(spec: Document) -> dict[str, _SpecText]:
+def spec_text_by_path(spec: Document) -> dict[str, _SpecTextWithGaps]:
     """Return the texts of a spec that contain turning words, with gaps in place of these words, by their paths.
 
     A path is ``registers.mode.meaning``, for example. If several texts share a path, the second one gets a number:
     ``tables.limits.note 2``.
     """
     vocabulary = vocabulary_of(spec)
-    spec_texts: dict[str, _SpecText] = {}
+    text_by_path: dict[str, _SpecTextWithGaps] = {}
     for spec_path, text in chain(prose_texts((), spec.data), _led_states(spec)):
         if spec_path[0] in _SECTIONS_WITHOUT_GAPS or is_source(spec_path[-1]):
             continue
@@ -159,11 +159,11 @@ def clozes(spec: Document) -> dict[str, _SpecText]:
         if cloze.gaps:
             path = dotted_path(spec_path)
             repetition = 1
-            while path in spec_texts:
+            while path in text_by_path:
                 repetition += 1
                 path = f"{dotted_path(spec_path)} {repetition}"
-            spec_texts[path] = _SpecText(spec_path, cloze)
-    return spec_texts
+            text_by_path[path] = _SpecTextWithGaps(spec_path, cloze)
+    return text_by_path
 
 
 def _led_states(spec: Document) -> Iterator[tuple[Path, str]]:
@@ -192,7 +192,7 @@ def sheet(spec: Document, old_entries: Mapping[str, Any]) -> dict[str, Any]:
     choices = vocabulary_of(spec).choices
     # The path of a text changes if its part is renamed.
     old_entry_by_text = {old_entry["text"]: old_entry for old_entry in old_entries.values()}
-    for path, spec_text in clozes(spec).items():
+    for path, spec_text in spec_text_by_path(spec).items():
         cloze = spec_text.cloze
         used_kinds.update(gap.kind for gap in cloze.gaps)
         sheet_entry = old_entries.get(path, {})
@@ -259,7 +259,7 @@ def compare_words(spec: Document, sheet_document: Document, report: ProblemRepor
     A text is outdated if it is new in the spec or has changed. If there is such a text, texts that are only in the
     sheet are not reported, because the command that refills the sheet also removes them.
     """
-    spec_texts = clozes(spec)
+    spec_texts = spec_text_by_path(spec)
     sheet_texts = sheet_document.data["texts"]
     is_outdated = False
     sheet_name = File(sheet_document.file).name

@@ -337,7 +337,7 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
     from ..targets.registry import target_names
 
     known_names = target_names()
-    unknown_targets = [(name, place) for name, place in registered_targets if name not in known_names]
+    unknown_targets = [(name, settings_path) for name, settings_path in registered_targets if name not in known_names]
     if unknown_targets:
         raise error_after_printing(_report_unknown_targets(settings.file, unknown_targets, known_names))
 
@@ -353,11 +353,11 @@ def _report_unknown_targets(
     from ..loading.configuration_file import add_error
 
     report = ProblemReport()
-    for name, place in unknown_targets:
+    for name, settings_path in unknown_targets:
         hint = suggest_word(name, known_names, "there are")
         message = f"there is no target '{name}'{hint}"
-        is_key = place[0] == "only"
-        add_error(report, file, place, rule="undefined-reference", message=message, at_key=is_key)
+        is_key = settings_path[0] == "only"
+        add_error(report, file, settings_path, rule="undefined-reference", message=message, at_key=is_key)
     return report
 
 
@@ -383,8 +383,8 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
                 continue
             hint = suggest_word(name, known_names, "there are")
             message = f"there is no family '{name}' among the specs{hint}"
-            place = ("only", target, "families", index)
-            add_error(report, settings.file, place, rule="undefined-reference", message=message)
+            settings_path = ("only", target, "families", index)
+            add_error(report, settings.file, settings_path, rule="undefined-reference", message=message)
 
 
 def specs_to_judge(named_paths: Sequence[Path], command: str) -> Specs:

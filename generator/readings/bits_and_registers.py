@@ -400,17 +400,17 @@ def _opener_text(reading: SpecReading, register: Register) -> str:
 
     If the spec does not give a value, the text is only the register that must be written: ``register 0x49``.
     """
-    opener = reading.register(register.opened_by)
-    if opener is None:
+    opening_register = reading.register(register.opened_by)
+    if opening_register is None:
         return register.opened_by
-    for field in opener.layout.fields:
+    for field in opening_register.layout.fields:
         if register.opened_by_field and field.name != register.opened_by_field:
             continue
         for named_value in field.values:
             if named_value.name == register.opened_by_value:
-                bits_text = reading.bits_of(opener.interface, field)
-                return f"{in_hex(named_value.value)} in {register_text(opener)} {bits_text}"
-    return register_text(opener)
+                bits_text = reading.bits_of(opening_register.interface, field)
+                return f"{in_hex(named_value.value)} in {register_text(opening_register)} {bits_text}"
+    return register_text(opening_register)
 
 
 def _limit_facts(subject: FactSubject, register: Register) -> Iterator[ComparedFact]:

@@ -273,16 +273,18 @@ def _disagreements_with_cases(
     Disagreements in two cases are the same if their places, classes and numbers are equal.
     """
     # Most cases share one word, so each pair of words is compared once.
-    disagreements_by_pair: dict[tuple[int, int], list[Disagreement]] = {}
+    disagreements_by_word_pair: dict[tuple[int, int], list[Disagreement]] = {}
     disagreement_and_cases: dict[_DisagreementKey, tuple[Disagreement, list[CodeAndState]]] = {}
     for case, spec_case in spec_word.cases.items():
         second_case = second_cases.get(case)
         if second_case is None:
             continue
-        pair = id(spec_case), id(second_case)
-        if pair not in disagreements_by_pair:
-            disagreements_by_pair[pair] = list(_compare_in_case(comparison, spec_word, spec_case, second_case))
-        for key, disagreement in _with_keys(disagreements_by_pair[pair]):
+        word_pair = id(spec_case), id(second_case)
+        if word_pair not in disagreements_by_word_pair:
+            disagreements_by_word_pair[word_pair] = list(
+                _compare_in_case(comparison, spec_word, spec_case, second_case)
+            )
+        for key, disagreement in _with_keys(disagreements_by_word_pair[word_pair]):
             _, cases = disagreement_and_cases.setdefault(key, (disagreement, []))
             cases.append(case)
     return disagreement_and_cases.values()
@@ -374,16 +376,16 @@ def _different_ranges(spec_bits: tuple[BitMeaning, ...], second_bits: tuple[BitM
 
 
 def mistaken_pairs(
-    spec_names: FactNames, second_names: FactNames, *, must_be_equal: bool
+    spec_name_by_key: FactNames, second_name_by_key: FactNames, *, must_be_equal: bool
 ) -> Iterator[tuple[ComparedFact, ComparedFact]]:
     """Yield the names of an item in the spec and in the second reading, if they differ and one must be a mistake.
 
     One must be a mistake if the second reader uses the name in the spec for a different item, if the two names differ
     in one letter, or if all names ``must_be_equal``.
     """
-    all_second_names = {second_name.value for second_name in second_names.values()}
-    for key, spec_name in spec_names.items():
-        second_name = second_names.get(key)
+    all_second_names = {second_name.value for second_name in second_name_by_key.values()}
+    for key, spec_name in spec_name_by_key.items():
+        second_name = second_name_by_key.get(key)
         if second_name is None or second_name.value == spec_name.value:
             continue
         is_used_for_other_item = spec_name.value in all_second_names

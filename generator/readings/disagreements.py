@@ -120,7 +120,7 @@ class _ChangedNumbers(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Related:
+class DisagreementsWithOneCause:
     """A disagreement, and other disagreements that have the same cause."""
 
     first_disagreement: Disagreement
@@ -132,7 +132,7 @@ class Related:
         return self.first_disagreement.fact_class in _CLASSES_IN_WORDS and self.first_disagreement.spec_value == NOTHING
 
 
-def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
+def group_by_cause(disagreements: Sequence[Disagreement]) -> list[DisagreementsWithOneCause]:
     """Return the disagreements in groups with the same cause.
 
     A disagreement joins the group of a cause that is already known and explains it. Otherwise, its own cause is a new
@@ -150,7 +150,7 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
         # The index is a unique key, so that a disagreement without a cause is not grouped.
         disagreements_by_cause.setdefault(cause or index, []).append(disagreement)
     groups = disagreements_by_cause.values()
-    return [Related(first_disagreement=group[0], others=tuple(group[1:])) for group in groups]
+    return [DisagreementsWithOneCause(first_disagreement=group[0], others=tuple(group[1:])) for group in groups]
 
 
 def _find_cause(

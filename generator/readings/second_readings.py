@@ -19,7 +19,7 @@ from ..model import Manufacturer, TimesRead
 from ..model.record import dataclass
 from . import bits_and_registers, interfaces, order_codes, stated, surroundings
 from .compare import compare
-from .disagreements import Comparison, Disagreement, HowOftenRead, Related, group_by_cause
+from .disagreements import Comparison, Disagreement, DisagreementsWithOneCause, HowOftenRead, group_by_cause
 from .reading import NOTHING, ComparedFacts, FactClass, SpecReading
 
 
@@ -68,12 +68,14 @@ class Coverage:
     def _count_times_read(self, fact_class: FactClass) -> TimesRead:
         """Return how many facts of a class were read how often. Facts that were read differently are not counted."""
         how_often_by_fact = self.outcome.how_often_read_by_fact.items()
-        how_often = [read for (class_of_fact, _), read in how_often_by_fact if class_of_fact is fact_class]
+        how_often_of_class = [
+            how_often_read for (class_of_fact, _), how_often_read in how_often_by_fact if class_of_fact is fact_class
+        ]
         return TimesRead(
-            twice=how_often.count(HowOftenRead.TWICE),
-            explained=how_often.count(HowOftenRead.EXPLAINED),
-            decided=how_often.count(HowOftenRead.DECIDED),
-            once=how_often.count(HowOftenRead.ONCE),
+            twice=how_often_of_class.count(HowOftenRead.TWICE),
+            explained=how_often_of_class.count(HowOftenRead.EXPLAINED),
+            decided=how_often_of_class.count(HowOftenRead.DECIDED),
+            once=how_often_of_class.count(HowOftenRead.ONCE),
             derived=self.derived.get(fact_class, 0),
         )
 
@@ -205,11 +207,11 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Probl
     used_explanations: set[Path] = set()
     unexplained: list[Disagreement] = []
     for disagreement in outcome.disagreements:
-        matching = [explanation for explanation in explanations if explanation.explains(disagreement)]
-        if not matching:
+        matching_explanations = [explanation for explanation in explanations if explanation.explains(disagreement)]
+        if not matching_explanations:
             unexplained.append(disagreement)
             continue
-        used_explanations.update(explanation.path_in_file for explanation in matching)
+        used_explanations.update(explanation.path_in_file for explanation in matching_explanations)
         # A fact that the spec lacks is counted at its place in the second reading.
         counted_path = disagreement.path_in_spec or ("second", *disagreement.path_in_second)
         outcome.how_often_read_by_fact[disagreement.fact_class, counted_path] = HowOftenRead.EXPLAINED
@@ -263,7 +265,9 @@ def _explained_differences(spec: Document) -> Iterator[_Explanation]:
             )
 
 
-def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: ProblemReport) -> None:
+def _report_disagreements(
+    disagreements: DisagreementsWithOneCause, spec: Document, second: Document, report: ProblemReport
+) -> None:
     """Report disagreements with one cause as one problem, for the first of them, with the lines of the others.
 
     The problem is in the spec, or in the second reading if only that has the fact.
@@ -290,7 +294,7 @@ def _file_and_line(document: Document, path_in_file: Path) -> str:
     return f"{file_name}:{line}"
 
 
-def _others_text(disagreements: Related, spec: Document, second: Document) -> str:
+def _others_text(disagreements: DisagreementsWithOneCause, spec: Document, second: Document) -> str:
     """Return how many other disagreements have the same cause, and where, or "" if there are none.
 
     For example ``, and 3 more with the same cause in lines 12 and 15``. Lines of the second reading come with its name:

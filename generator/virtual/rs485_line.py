@@ -119,20 +119,20 @@ class Rs485Line:
         """
         has_data_ids = bool(self._data_id_by_control)
         request_formats = self._formats_by_data_id() if has_data_ids else self._formats_of_exchanges()
-        longest_length = 0
+        longest_byte_count = 0
         for request_format in request_formats:
             placed_layout = self.encoder.place(request_format.layout)
-            length = placed_layout.bits // 8
-            longest_length = max(longest_length, length)
-            if len(self._received_bytes) < length:
+            byte_count = placed_layout.bits // 8
+            longest_byte_count = max(longest_byte_count, byte_count)
+            if len(self._received_bytes) < byte_count:
                 continue
-            decoded = codec.decode_placed(self.encoder.device, placed_layout, self._received_bytes[:length])
+            decoded = codec.decode_placed(self.encoder.device, placed_layout, self._received_bytes[:byte_count])
             values = None if decoded.problems else decoded.values
             is_accepted = values is not None and self._is_for_this_encoder(request_format.layout, values)
             # The data ID alone identifies the request. An invalid request with a data ID is discarded as a whole.
             if has_data_ids or is_accepted:
-                return _ReceivedRequest(length, values, data_id=request_format.data_id, reply=request_format.reply)
-        is_incomplete = len(self._received_bytes) < longest_length
+                return _ReceivedRequest(byte_count, values, data_id=request_format.data_id, reply=request_format.reply)
+        is_incomplete = len(self._received_bytes) < longest_byte_count
         if is_incomplete:
             return None
         return _ReceivedRequest(length=1, values=None, data_id=None, reply=None)

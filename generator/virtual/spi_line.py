@@ -50,23 +50,23 @@ class SpiLine:
         Raises:
             ValueError: The encoder has no words of this length, or the word does not fit.
         """
-        length = self.word_bits if bits is None else bits
-        does_not_fit = word >> length != 0
-        if length not in self._word_lengths or does_not_fit:
+        word_bits = self.word_bits if bits is None else bits
+        does_not_fit = word >> word_bits != 0
+        if word_bits not in self._word_lengths or does_not_fit:
             lengths_text = " or ".join(map(str, sorted(self._word_lengths)))
             raise ValueError(
-                f"0x{word:X} is not a word of {length} bits; {self.encoder.variant.code} has {lengths_text} bits"
+                f"0x{word:X} is not a word of {word_bits} bits; {self.encoder.variant.code} has {lengths_text} bits"
             )
-        answer = self._answer_word(word, length)
+        answer = self._answer_word(word, word_bits)
         if self.interface.exchanges and self.interface.reply == "next_word":
-            previous_answer, previous_length = self._next_reply
-            self._next_reply = answer, length
+            previous_answer, previous_bits = self._next_reply
+            self._next_reply = answer, word_bits
             # A longer word ends with zeros, and a shorter word contains only the beginning of the reply.
-            if length > previous_length:
-                answer = previous_answer << (length - previous_length)
+            if word_bits > previous_bits:
+                answer = previous_answer << (word_bits - previous_bits)
             else:
-                answer = previous_answer >> (previous_length - length)
-        return word_with_fault(self.encoder, self.encoder.faults.draw(), answer, length)
+                answer = previous_answer >> (previous_bits - word_bits)
+        return word_with_fault(self.encoder, self.encoder.faults.draw(), answer, word_bits)
 
     def receive(self, data: bytes) -> None:
         """Receive bytes from the master, and answer each complete word.
@@ -105,15 +105,15 @@ class SpiLine:
                     return length
         return self.word_bits if self.word_bits <= received_bits else None
 
-    def _answer_word(self, word: int, length: int) -> int:
+    def _answer_word(self, word: int, word_bits: int) -> int:
         """Execute the request in a word of this length, and return the reply. A write may need several words."""
         if not self.interface.exchanges:
             return self.encoder.frame(self.encoder.layouts(sender="encoder")[0])
-        request = self._find_request(word, length)
-        if request is None:
+        request_and_values = self._find_request(word, word_bits)
+        if request_and_values is None:
             self._written_fields = {}
-            return self._error_reply(length)
-        exchange, values = request
+            return self._error_reply(word_bits)
+        exchange, values = request_and_values
         layout = self._find_layout(exchange.reply)
         # Fields with the same name in request and reply have the same value.
         names_in_reply = {field.name for field in layout.data_fields}
@@ -128,7 +128,7 @@ class SpiLine:
             address = address_and_data.get("address", -1)  # No register has the address -1.
             register_value = self.encoder.memory.read_whole(address)
         if register_value is None:
-            return self._error_reply(length)
+            return self._error_reply(word_bits)
         return self.encoder.frame(layout, {**repeated_values, "data": register_value})
 
     def _continue_write(self) -> int | None:
@@ -144,7 +144,7 @@ class SpiLine:
                 return None
         return self.encoder.memory.read_whole(address)
 
-    def _find_request(self, word: int, length: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
+    def _find_request(self, word: int, word_bits: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
         """Return the request in a word with the values of its fields, or None if the word is not a valid request.
 
         A write can consist of several words. After its first word, only its other words are valid.
@@ -158,17 +158,17 @@ class SpiLine:
             possible_exchanges = [exchange for exchange in exchanges if exchange not in later_words_of_write]
         for exchange in possible_exchanges:
             placed_layout = self.encoder.place(self._find_layout(exchange.request))
-            decoded = codec.decode_bits(self.encoder.device, placed_layout, word, length)
+            decoded = codec.decode_bits(self.encoder.device, placed_layout, word, word_bits)
             if not decoded.problems:
                 return exchange, decoded.values
         return None
 
-    def _error_reply(self, length: int) -> int:
+    def _error_reply(self, word_bits: int) -> int:
         """Return the reply to an invalid request of this length: all flags active, and the layout of the last reply."""
         parameters = self.encoder.variant.parameters
         exchanges_of_length: list[Exchange] = []
         for exchange in self.interface.exchanges:
-            if self.interface.bits_of(exchange).value(parameters) == length:
+            if self.interface.bits_of(exchange).value(parameters) == word_bits:
                 exchanges_of_length.append(exchange)
         layout = self._find_layout(exchanges_of_length[-1].reply)
         active_flags = {field.name: True for field in layout.fields if isinstance(field.kind, Flag)}
