@@ -124,6 +124,7 @@ def _compare_number(
     rule = WIDER[member.rule] if is_wider else member.rule
     values_text = _difference_text(difference, old_expression, new_expression, member.notation)
     description = f": {member.words} {values_text}"
+    # Without codes of its own, the change affects all order codes of the interface.
     yield family_pair.change(rule, subject, description=description, old=old, new=new, codes=difference.codes or None)
 
 
@@ -183,7 +184,7 @@ def compare_parts(
         compare_content: Compares the content of a part that the table of members does not compare.
     """
     for pair in pair_parts(family_pair, old_parts, new_parts, section_subject.interface, section_subject.scope):
-        subject = _named_in_code(family_pair, pair, section_subject)
+        subject = _subject_with_code_names(family_pair, pair, section_subject)
         yield from compare_pair(family_pair, part_kind, subject, pair, compare_content)
 
 
@@ -220,6 +221,7 @@ def compare_section(
     """
     section_path, label = _SECTION_BY_KIND[part_kind]
     for pair in pair_section(family_pair, section_path):
+        # The labels of registers and connectors depend on the part, so a function returns them.
         section_label = label if isinstance(label, str) else label(pair)
         concerns_old_interface = part_kind in _KINDS_OF_OLD_INTERFACE and pair.old is not None
         if pair.new is None or concerns_old_interface:
@@ -227,7 +229,7 @@ def compare_section(
         else:
             interface = _only_interface_of(family_pair.new, pair.new)
         section_subject = ChangeSubject(path=section_path, label=section_label, interface=interface)
-        subject = _named_in_code(family_pair, pair, section_subject)
+        subject = _subject_with_code_names(family_pair, pair, section_subject)
         yield from compare_pair(family_pair, part_kind, subject, pair, compare_content)
 
 
@@ -266,7 +268,9 @@ def _has_group(layout: Layout, group: str) -> bool:
     return any(field.group == group for field in layout.fields)
 
 
-def _named_in_code(family_pair: FamilyPair, pair: OldAndNew[Any], section_subject: ChangeSubject) -> ChangeSubject:
+def _subject_with_code_names(
+    family_pair: FamilyPair, pair: OldAndNew[Any], section_subject: ChangeSubject
+) -> ChangeSubject:
     """Return the part of a section as the subject of changes, with the names by which users find it in their code.
 
     These are the names in the old version. A new part has no names that users know, except a new data ID, which
@@ -285,11 +289,11 @@ def _named_in_code(family_pair: FamilyPair, pair: OldAndNew[Any], section_subjec
     if section not in _NAME_PATTERNS or not is_known_to_users:
         return subject
     device = family_pair.new if pair.old is None else family_pair.old
-    names_in_code = _names_in_code(device, section, pair.old_or_new, section_subject.interface)
+    names_in_code = _name_in_code_by_language(device, section, pair.old_or_new, section_subject.interface)
     return replace(subject, names=names_in_code)
 
 
-def _names_in_code(device: Device, section: str, part: Any, section_interface: str) -> dict[str, str]:
+def _name_in_code_by_language(device: Device, section: str, part: Any, section_interface: str) -> dict[str, str]:
     """Return the names of a part in generated code: ``{"c": "acme_x24_ssi_frame_…", "python": "x24.Frame"}``.
 
     ``section_interface`` is "" for parts without an interface of their own. The name in C is then the name for the

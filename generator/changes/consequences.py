@@ -46,7 +46,7 @@ class _ResizedField:
     gained_bits: tuple[int, ...]
 
 
-def fold_moves(
+def merge_moves_into_resizings(
     family_pair: FamilyPair, interface: str, frame: str, compared_fields: Sequence[ComparedField]
 ) -> Iterator[Change]:
     """Yield the changes of the fields of a frame, without the moves that a resized field explains.
@@ -73,7 +73,7 @@ def fold_moves(
             yield change
 
 
-def fold_length(
+def merge_length_into_resizing(
     family_pair: FamilyPair,
     interface: str,
     frame: str,
@@ -98,9 +98,9 @@ def fold_length(
     has_same_gain_everywhere = len(set(gained_bits)) == 1
     resized_frames = {frame: gained_bits[0] if has_same_gain_everywhere else 0}
     field_names = [compared_field.name for compared_field in compared_fields]
-    index = field_names.index(highest_field.name)
-    field_with_consequence = _with_resized_frames(compared_fields[index], resized_frames)
-    return [*compared_fields[:index], field_with_consequence, *compared_fields[index + 1 :]]
+    highest_index = field_names.index(highest_field.name)
+    field_with_consequence = _with_resized_frames(compared_fields[highest_index], resized_frames)
+    return [*compared_fields[:highest_index], field_with_consequence, *compared_fields[highest_index + 1 :]]
 
 
 def _subtract_each(old_numbers: Sequence[int], new_numbers: Sequence[int]) -> tuple[int, ...]:
@@ -220,7 +220,7 @@ def with_consequences(change: Change) -> Change:
     return replace(change, text=", ".join(text_and_consequences), rule=replace(change.rule, impacts=impacts))
 
 
-def fold_defaults(changes: Sequence[Change]) -> Iterator[Change]:
+def merge_field_defaults(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with a field's changed default merged into the change of its register's default.
 
     The text about the register's change then ends with ``(speed 1 → 2)``. If there is no such change, the default of a
@@ -276,39 +276,39 @@ def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
     return f"{frames_text} with a different length"
 
 
-def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
+def merge_similar_changes(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with similar changes merged into one.
 
     Changes are similar if they change a pause of several procedures to the same duration, or a signal of several
     contacts to the same signal, for the same order codes.
     """
-    alike_changes_by_key: dict[object, list[Change]] = {}
+    similar_changes_by_key: dict[object, list[Change]] = {}
     for change in changes:
         # A change that is not merged gets a unique key.
-        alike_key = _alike_key(change) or id(change)
-        alike_changes_by_key.setdefault(alike_key, []).append(change)
-    for alike_changes in alike_changes_by_key.values():
-        if len(alike_changes) == 1:
-            yield alike_changes[0]
+        similarity_key = _similarity_key(change) or id(change)
+        similar_changes_by_key.setdefault(similarity_key, []).append(change)
+    for similar_changes in similar_changes_by_key.values():
+        if len(similar_changes) == 1:
+            yield similar_changes[0]
         else:
-            yield _merge_alike(alike_changes)
+            yield _merge_into_first(similar_changes)
 
 
-def _merge_alike(alike_changes: Sequence[Change]) -> Change:
+def _merge_into_first(similar_changes: Sequence[Change]) -> Change:
     """Return the first of several similar changes, with the subjects of all changes in its text.
 
     Contacts give ``M12 A: contact 1, M12 A: contact 2: signal SL → SLO``, and procedures
     ``procedures preset, reset: pause 5 ms → 10 ms``.
     """
-    first_change = alike_changes[0]
-    subjects = [_subject_text(change) for change in alike_changes]
+    first_change = similar_changes[0]
+    subjects = [_subject_text(change) for change in similar_changes]
     if first_change.rule.name == "procedure-steps":
         procedures = [subject.partition(": ")[0].removeprefix("procedure ") for subject in subjects]
         subjects = [f"procedures {', '.join(procedures)}"]
     return replace(first_change, text=f"{', '.join(subjects)}: {_value_text(first_change)}")
 
 
-def _alike_key(change: Change) -> object:
+def _similarity_key(change: Change) -> object:
     """Return the key that similar changes of a pause or a signal share, or None for any other change.
 
     The key consists of the rule, the old and new value, and the order codes.
@@ -325,7 +325,7 @@ _RULES_OF_WAITS = ("wait-longer", "wait-shorter", "procedure-steps")
 _WAIT_OF_REGISTER = "delay after a write "
 
 
-def fold_waits(changes: Sequence[Change]) -> Iterator[Change]:
+def merge_equal_waits(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with equal changes of times and of pauses merged into that of the wait after a write.
 
     This wait is how long a master must wait after it writes a register. The text then ends with ``30 ms → 50 ms, and so
@@ -374,7 +374,7 @@ def _wait_key(change: Change) -> object:
     return (old_time, new_time, change.codes) if arrow else None
 
 
-def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
+def merge_type_changes(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with the change of a field's type in C merged into the change of the field's width.
 
     The text of the width's change then ends with ``, in C uint16_t → uint32_t``. If only the type of a field changes,

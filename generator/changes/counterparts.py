@@ -94,7 +94,7 @@ def pair_fields(family_pair: FamilyPair, old: Layout, new: Layout, interface: st
 
     Fields are paired by name, then by the same bits, then by the same width between the same neighbors.
     """
-    old_fields, new_fields = _fields_without_filling(old), _fields_without_filling(new)
+    old_fields, new_fields = _fields_except_gap_fillers(old), _fields_except_gap_fillers(new)
     pairs = pair_parts(family_pair, old_fields, new_fields, interface)
     gone_names = {pair.old.name for pair in pairs if pair.old is not None and pair.new is None}
     new_names = {pair.new.name for pair in pairs if pair.new is not None and pair.old is None}
@@ -159,7 +159,7 @@ def _find_neighbors(fields_in_order: Sequence[Field], paired_names: Mapping[str,
     return neighbors
 
 
-def _fields_without_filling(layout: Layout) -> list[Field]:
+def _fields_except_gap_fillers(layout: Layout) -> list[Field]:
     """Return the fields of a frame or register that the spec lists, without fields that only fill gaps or bytes."""
     return [field for field in layout.fields if not field.fills_gap and not field.fills_byte]
 
@@ -211,15 +211,16 @@ def _identity_of(part: Any, family_pair: FamilyPair, *, is_old: bool, interface:
     if is_old:
         part = family_pair.with_new_names(part, scope)
     identity_of_inner = partial(_identity_of, family_pair=family_pair, is_old=is_old, interface=interface, scope=scope)
-    members = PARTS_BY_CLASS[type(part).__name__].identity
-    identifying_values = [_identifying_value(getattr(part, member_name), identity_of_inner) for member_name in members]
+    identifying_members = PARTS_BY_CLASS[type(part).__name__].identity
+    identifying_values = [_identifying_value(getattr(part, name), identity_of_inner) for name in identifying_members]
     layout = part.layout if isinstance(part, Register) else part
     if isinstance(layout, Layout):
         layout_interface = interface or part.interface
-        field_bits: list[tuple[int | str, ...]] = []
+        bits_of_fields: list[tuple[int | str, ...]] = []
         for field in layout.fields:
-            field_bits.append(family_pair.low_bits_and_widths(field, layout_interface, is_old=is_old))
-        identifying_values.append(tuple(field_bits))
+            bits_of_fields.append(family_pair.low_bits_and_widths(field, layout_interface, is_old=is_old))
+        identifying_values.append(tuple(bits_of_fields))
+    # A part without any identifying value is only identified by its name.
     return tuple(identifying_values) if any(identifying_values) else None
 
 

@@ -10,7 +10,13 @@ from operator import attrgetter
 from ..model import Alternative, CodePart, Device, Manual, Measurement, Parameter, Spelling, Supply, Variant
 from ..say import first_of
 from .compare import compare_members, compare_parts, compare_section
-from .consequences import fold_alike, fold_defaults, fold_types, fold_waits, with_consequences
+from .consequences import (
+    merge_equal_waits,
+    merge_field_defaults,
+    merge_similar_changes,
+    merge_type_changes,
+    with_consequences,
+)
 from .counterparts import pair_section, remember_all_renamings
 from .family_pair import FamilyPair, OldAndNew, complete_pairs, pair_by_name
 from .interfaces import compare_contacts, compare_displayed_facts, compare_interfaces, compare_timings
@@ -131,6 +137,16 @@ def _compare_codes(family_pair: FamilyPair) -> Iterator[Change]:
         new_code = family_pair.new_code_by_old.get(old_variant.code)
         if new_code is not None:
             variant_pairs.append((old_variant, new_variant_by_code[new_code]))
+    yield from _compare_interfaces_of_codes(family_pair, variant_pairs)
+    for old_parameter, new_parameter in complete_pairs(pair_section(family_pair, "parameters")):
+        if _is_set_by_order_code(old_parameter) and _is_set_by_order_code(new_parameter):
+            yield from _compare_parameter(family_pair, variant_pairs, old_parameter.name, new_parameter.name)
+
+
+def _compare_interfaces_of_codes(
+    family_pair: FamilyPair, variant_pairs: Iterable[tuple[Variant, Variant]]
+) -> Iterator[Change]:
+    """Yield a change for each pair of different old and new interface, with the order codes that have this pair."""
     codes_by_interfaces: dict[tuple[str, str], list[str]] = {}
     for old, new in variant_pairs:
         if old.interface != new.interface:
@@ -145,9 +161,6 @@ def _compare_codes(family_pair: FamilyPair) -> Iterator[Change]:
             new=new_interface,
             codes=codes,
         )
-    for old_parameter, new_parameter in complete_pairs(pair_section(family_pair, "parameters")):
-        if _is_set_by_order_code(old_parameter) and _is_set_by_order_code(new_parameter):
-            yield from _compare_parameter(family_pair, variant_pairs, old_parameter.name, new_parameter.name)
 
 
 def _compare_parameter(
@@ -179,24 +192,24 @@ def _lengths_text(family_pair: FamilyPair, variant_pairs: Sequence[tuple[Variant
     """
     text_by_frame: dict[str, str] = {}
     for old_variant, new_variant in variant_pairs:
-        old_lengths = _lengths_of_frames(family_pair.old, old_variant)
-        for name, new_bits in _lengths_of_frames(family_pair.new, new_variant).items():
-            old_bits = old_lengths.get(name, new_bits)
-            if old_bits != new_bits:
-                text_by_frame.setdefault(name, f"{name} {old_to_new(old_bits, new_bits)} bits")
+        old_bit_counts = _bit_count_by_frame(family_pair.old, old_variant)
+        for frame, new_bit_count in _bit_count_by_frame(family_pair.new, new_variant).items():
+            old_bit_count = old_bit_counts.get(frame, new_bit_count)
+            if old_bit_count != new_bit_count:
+                text_by_frame.setdefault(frame, f"{frame} {old_to_new(old_bit_count, new_bit_count)} bits")
     if not text_by_frame:
         return ""
     noun = "frames" if len(text_by_frame) > 1 else "frame"
     return f": {noun} {', '.join(text_by_frame.values())}"
 
 
-def _lengths_of_frames(device: Device, variant: Variant) -> Mapping[str, int]:
+def _bit_count_by_frame(device: Device, variant: Variant) -> Mapping[str, int]:
     """Return the number of bits in each frame of an order code, by the name of the frame."""
-    lengths: dict[str, int] = {}
+    bit_count_by_frame: dict[str, int] = {}
     for interface in device.interfaces:
         if interface.name == variant.interface:
-            lengths |= {layout.name: layout.place(variant.parameters).bits for layout in interface.layouts}
-    return lengths
+            bit_count_by_frame |= {layout.name: layout.place(variant.parameters).bits for layout in interface.layouts}
+    return bit_count_by_frame
 
 
 def _is_set_by_order_code(parameter: Parameter) -> bool:
@@ -220,7 +233,7 @@ def _compare_part_values(
             if variant.parts.get(new.name) == new_value.text:
                 codes.append(variant.code)
         # An empty interface represents all of them.
-        affected_codes = tuple(codes) or family_pair.order_codes_over(interface="")
+        affected_codes = tuple(codes) or family_pair.order_codes_with_interface(interface="")
         yield from compare_supply(family_pair, value_subject, old_value.supply, new_value.supply, affected_codes)
 
 
@@ -274,7 +287,7 @@ def compare_supply(
                 new=change.new,
                 codes=codes,
             )
-    elif old is not new:
+    elif old is not None or new is not None:
         rule = "supply-wider" if new is None else "supply-narrower"
         yield family_pair.change(
             rule, supply_subject, description=f" {old_to_new(old, new)}", old=old, new=new, codes=codes
@@ -305,7 +318,7 @@ def _compare_measurement(
     """Yield the changes of a measurement, or that it is new or gone."""
     if old is not None and new is not None:
         yield from compare_members(family_pair, subject, old, new)
-    elif old is not new:
+    elif old is not None or new is not None:
         yield from family_pair.compare_presence("measurement", subject, old=old, new=new)
 
 
@@ -376,10 +389,10 @@ def compare_family(old: Device, new: Device) -> list[Change]:
     family_pair = FamilyPair(old, new)
     remember_all_renamings(family_pair)
     changes = list(_merge_repeated(_section_changes(family_pair)))
-    changes = list(fold_defaults(changes))
-    changes = list(fold_types(changes))
-    changes = list(fold_alike(changes))
-    changes = list(fold_waits(changes))
+    changes = list(merge_field_defaults(changes))
+    changes = list(merge_type_changes(changes))
+    changes = list(merge_similar_changes(changes))
+    changes = list(merge_equal_waits(changes))
     if not changes and _without_spec_data(old) != _without_spec_data(new):
         subject = ChangeSubject(path="", label=f"family {new.name}")
         changes.append(
@@ -405,8 +418,8 @@ def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
     for change in changes:
         # Documentation of one place is one change, even if its text names different frames.
         is_documentation = change.impact <= Impact.DOCUMENTATION
-        place_or_text = change.path if is_documentation else change.text
-        change_key = change.rule.name, place_or_text
+        path_or_text = change.path if is_documentation else change.text
+        change_key = change.rule.name, path_or_text
         if change_key in change_by_key:
             change_by_key[change_key] = _merge_pair(change_by_key[change_key], change)
         else:

@@ -89,8 +89,8 @@ def pair_by_name(
     new_names = {name_of(new_item) for new_item in new_items}
     without_new_name = [old_item for old_item in old_items if name_of(old_item) not in new_names]
     without_old_name = [new_item for new_item in new_items if name_of(new_item) not in old_names]
-    old_by_identity = _by_unique_identity(without_new_name, identity_of_old)
-    new_by_identity = _by_unique_identity(without_old_name, identity_of_new or identity_of_old)
+    old_by_identity = _item_by_unique_identity(without_new_name, identity_of_old)
+    new_by_identity = _item_by_unique_identity(without_old_name, identity_of_new or identity_of_old)
     paired_old_names = set(new_names)
     for identity, new_item in new_by_identity.items():
         if identity in old_by_identity:
@@ -102,18 +102,18 @@ def pair_by_name(
     return new_pairs + [OldAndNew(old=gone_item, new=None) for gone_item in gone_items]
 
 
-def _by_unique_identity(items: Sequence[_Item], identity_of: PairingKey) -> dict[Hashable, _Item]:
+def _item_by_unique_identity(items: Sequence[_Item], identity_of: PairingKey) -> dict[Hashable, _Item]:
     """Return the items by their identities, without items that have no identity or share it with another item."""
     identities = [identity_of(item) for item in items]
-    counts = Counter(identities)
-    items_by_identity: dict[Hashable, _Item] = {}
+    count_by_identity = Counter(identities)
+    item_by_identity: dict[Hashable, _Item] = {}
     for identity, item in zip(identities, items, strict=True):
-        if identity is not None and counts[identity] == 1:
-            items_by_identity[identity] = item
-    return items_by_identity
+        if identity is not None and count_by_identity[identity] == 1:
+            item_by_identity[identity] = item
+    return item_by_identity
 
 
-def match_by_key(
+def keys_with_old_and_new(
     old_by_key: Mapping[_Key, _Item], new_by_key: Mapping[_Key, _Item]
 ) -> Iterator[tuple[_Key, _Item | None, _Item | None]]:
     """Yield every key with its old and new item: ``("pin 1", old_contact, None)`` for an item that is gone.
@@ -339,7 +339,7 @@ class FamilyPair:
             return tuple(expression.value(point.old_parameters) for point in points)
         return tuple(expression.value(point.new_parameters) for point in points)
 
-    def order_codes_over(self, interface: str, side: str = "common") -> tuple[str, ...]:
+    def order_codes_with_interface(self, interface: str, side: str = "common") -> tuple[str, ...]:
         """Return the order codes of an interface, or of all interfaces if ``interface`` is empty.
 
         ``side`` selects the codes of the ``old`` or ``new`` version, or the ``common`` codes, in the spelling of the
@@ -367,10 +367,10 @@ class FamilyPair:
         or procedure that moves to a different interface affects the order codes of both interfaces.
         """
         side = _affected_side(rule)
-        affected_codes = tuple(codes) if codes is not None else self.order_codes_over(subject.interface, side)
+        affected_codes = tuple(codes) if codes is not None else self.order_codes_with_interface(subject.interface, side)
         if rule in _RULES_OF_INTERFACES:
             old_interface = old
-            codes_of_both_interfaces = (*affected_codes, *self.order_codes_over(old_interface))
+            codes_of_both_interfaces = (*affected_codes, *self.order_codes_with_interface(old_interface))
             affected_codes = tuple(dict.fromkeys(codes_of_both_interfaces))
         affected_codes_text = ""
         # The text of a change of order codes already lists them.

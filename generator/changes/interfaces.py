@@ -26,7 +26,7 @@ from ..model.members import ModelMember
 from ..model.order_codes import repeated_names
 from .compare import compare_member, compare_members, compare_pair, compare_parts
 from .consequences import without_explained_lengths
-from .family_pair import FamilyPair, complete_pairs, match_by_key, pair_by_name
+from .family_pair import FamilyPair, complete_pairs, keys_with_old_and_new, pair_by_name
 from .layouts_and_procedures import compare_layout
 from .rules import Change, ChangeSubject
 from .values import old_to_new, short_value
@@ -131,7 +131,7 @@ def _compare_position_range(
     range_subject = subject.inside("position_range", f"{subject.label}: position range")
     if old is not None and new is not None:
         yield from compare_members(family_pair, range_subject, old, new)
-    elif old is not new:
+    elif old is not None or new is not None:
         yield from family_pair.compare_presence("measurement", range_subject, old=old, new=new)
 
 
@@ -142,7 +142,7 @@ def _compare_channels(
     channels_subject = subject.inside("channels", f"{subject.label}: frame with several data channels")
     if old is not None and new is not None:
         yield from compare_members(family_pair, channels_subject, old, new)
-    elif old is not new:
+    elif old is not None or new is not None:
         yield from family_pair.compare_presence("channels", channels_subject, old=old, new=new)
 
 
@@ -192,9 +192,9 @@ def compare_clocks(family_pair: FamilyPair, subject: ChangeSubject, old: Clocked
         yield from compare_members(family_pair, subject, old.clock, new.clock)
         return
     if old.clock is not new.clock:
-        yield _by_code_change(family_pair, subject, "clock", is_by_code=new.clock is None)
+        yield _change_of_code_dependence(family_pair, subject, "clock", depends_on_code=new.clock is None)
     codes_by_clocks: dict[tuple[Clock, Clock], list[str]] = {}
-    for code in family_pair.order_codes_over(new.name):
+    for code in family_pair.order_codes_with_interface(new.name):
         old_clock = old.clock_of(family_pair.old_code(code))
         new_clock = new.clock_of(code)
         # The lists of order codes are removed, so that equal clocks compare as equal.
@@ -207,14 +207,15 @@ def compare_clocks(family_pair: FamilyPair, subject: ChangeSubject, old: Clocked
 
 def compare_timeouts(family_pair: FamilyPair, subject: ChangeSubject, old: Biss, new: Biss) -> Iterator[Change]:
     """Yield changes of the BiSS timeout. Order codes with the same old and new timeout share a change."""
-    was_by_code, is_by_code = bool(old.timeouts_by_code), bool(new.timeouts_by_code)
-    if not was_by_code and not is_by_code:
+    depended_on_code = bool(old.timeouts_by_code)
+    depends_on_code = bool(new.timeouts_by_code)
+    if not depended_on_code and not depends_on_code:
         yield from compare_member(family_pair, subject, _TIMEOUT_MEMBER, old.timeout, new.timeout)
         return
-    if was_by_code != is_by_code:
-        yield _by_code_change(family_pair, subject, "timeout", is_by_code=is_by_code)
+    if depended_on_code != depends_on_code:
+        yield _change_of_code_dependence(family_pair, subject, "timeout", depends_on_code=depends_on_code)
     codes_by_timeouts: dict[tuple[Timeout | None, Timeout | None], list[str]] = {}
-    for code in family_pair.order_codes_over(new.name):
+    for code in family_pair.order_codes_with_interface(new.name):
         old_timeout = _without_order_codes(old.timeout_of(family_pair.old_code(code)))
         new_timeout = _without_order_codes(new.timeout_of(code))
         codes_by_timeouts.setdefault((old_timeout, new_timeout), []).append(code)
@@ -228,18 +229,20 @@ def compare_cables(family_pair: FamilyPair, subject: ChangeSubject, old: Ssi, ne
 
     It depends on the order code if a row of the table lists, in ``only``, the order codes that it applies to.
     """
-    was_by_code = any(row.only for row in old.cable_lengths)
-    is_by_code = any(row.only for row in new.cable_lengths)
-    if was_by_code != is_by_code:
-        yield _by_code_change(family_pair, subject, "clock by cable", is_by_code=is_by_code)
+    depended_on_code = any(row.only for row in old.cable_lengths)
+    depends_on_code = any(row.only for row in new.cable_lengths)
+    if depended_on_code != depends_on_code:
+        yield _change_of_code_dependence(family_pair, subject, "clock by cable", depends_on_code=depends_on_code)
 
 
-def _by_code_change(family_pair: FamilyPair, subject: ChangeSubject, noun: str, *, is_by_code: bool) -> Change:
+def _change_of_code_dependence(
+    family_pair: FamilyPair, subject: ChangeSubject, noun: str, *, depends_on_code: bool
+) -> Change:
     """Return the change that a fact depends on the order code in only one version.
 
-    ``is_by_code`` is true if it depends on the order code in the new version. ``noun`` names the fact.
+    ``depends_on_code`` is true if it depends on the order code in the new version. ``noun`` names the fact.
     """
-    if is_by_code:
+    if depends_on_code:
         old, new = "all order codes", "some order codes"
     else:
         old, new = "some order codes", "all order codes"
@@ -287,14 +290,16 @@ def compare_contacts(
     """
     codes: list[str] = []
     for interface in new.interfaces or ("",):  # Without interfaces, it is for all of them.
-        codes += family_pair.order_codes_over(interface)
+        codes += family_pair.order_codes_with_interface(interface)
     exchanged_pairs = _exchanged_contacts(old, new)
     exchanged_contacts = {contact for pair in exchanged_pairs for contact in pair}
     changes = list(_compare_each_contact(family_pair, subject, old, new, exchanged_contacts))
-    for first, second in exchanged_pairs:
+    for first_contact, second_contact in exchanged_pairs:
         signals = {contact.contact: contact.signal for contact in new.contacts}
-        first_signal, second_signal = signals[first], signals[second]
-        contact_subject = subject.inside(first, f"{subject.label}: contacts {first} and {second}")
+        first_signal, second_signal = signals[first_contact], signals[second_contact]
+        contact_subject = subject.inside(
+            first_contact, f"{subject.label}: contacts {first_contact} and {second_contact}"
+        )
         changes.append(
             family_pair.change(
                 "contact",
@@ -334,8 +339,8 @@ def _compare_each_contact(
     A contact is identified by its pin or wire color. If only the old version has it, the text is ``signal SL → none``,
     and if only the new version has it, ``signal none → SL``.
     """
-    old_contacts, new_contacts = _by_member(old.contacts, "contact"), _by_member(new.contacts, "contact")
-    for contact, old_contact, new_contact in match_by_key(old_contacts, new_contacts):
+    old_contacts, new_contacts = _part_by_member(old.contacts, "contact"), _part_by_member(new.contacts, "contact")
+    for contact, old_contact, new_contact in keys_with_old_and_new(old_contacts, new_contacts):
         if contact in exchanged_contacts:
             continue
         contact_subject = subject.inside(contact, f"{subject.label}: contact {contact}")
@@ -362,8 +367,8 @@ def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
             shared_names = repeated_names(old_section) | repeated_names(new_section)
             old_section = with_distinct_names(old_section, shared_names)
             new_section = with_distinct_names(new_section, shared_names)
-        old_parts, new_parts = _by_member(old_section, key_member), _by_member(new_section, key_member)
-        for key, old, new in match_by_key(old_parts, new_parts):
+        old_parts, new_parts = _part_by_member(old_section, key_member), _part_by_member(new_section, key_member)
+        for key, old, new in keys_with_old_and_new(old_parts, new_parts):
             if old != new:
                 subject = ChangeSubject(path=f"{section}.{key}", label=f"{noun} {key}")
                 yield family_pair.change(rule, subject, description=_describe_difference(old, new), old=old, new=new)
@@ -374,7 +379,7 @@ def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
         yield from compare_members(family_pair, subject, old_group, new_group)
 
 
-def _by_member(parts: Iterable[_Part], member_name: str) -> dict[Any, _Part]:
+def _part_by_member(parts: Iterable[_Part], member_name: str) -> dict[Any, _Part]:
     """Return the parts by the value of their member ``member_name``, such as ``contact`` or ``key``."""
     return {getattr(part, member_name): part for part in parts}
 

@@ -27,7 +27,7 @@ from ..model import (
 from ..model.members import PARTS_BY_CLASS
 from ..say.register import describe_access
 from .compare import compare_members, compare_parts
-from .consequences import ComparedField, fold_length, fold_moves
+from .consequences import ComparedField, merge_length_into_resizing, merge_moves_into_resizings
 from .counterparts import pair_fields, step_with_new_names, step_without_words
 from .family_pair import FamilyPair, OldAndNew, complete_pairs
 from .rules import Change, ChangeSubject
@@ -72,13 +72,13 @@ def _compare_fields(family_pair: FamilyPair, subject: ChangeSubject, old: Layout
     """
     compared_fields: list[ComparedField] = []
     pairs = pair_fields(family_pair, old, new, subject.interface)
-    for pair in _without_exchanged_filling(family_pair, subject.interface, pairs):
+    for pair in _without_exchanged_unused_bits(family_pair, subject.interface, pairs):
         if _is_padding(pair.new_or_old, old) or _is_padding(pair.new_or_old, new):
             continue
         common_property = _common_property(family_pair, subject, pair, old, new)
         field_changes = list(_compare_field(family_pair, subject, pair, common_property))
         compared_fields.append(ComparedField(pair=pair, changes=field_changes))
-    fields_with_length = fold_length(
+    fields_with_length = merge_length_into_resizing(
         family_pair,
         interface=subject.interface,
         frame=subject.path,
@@ -86,10 +86,10 @@ def _compare_fields(family_pair: FamilyPair, subject: ChangeSubject, old: Layout
         new_length=new.bits,
         compared_fields=compared_fields,
     )
-    yield from fold_moves(family_pair, subject.interface, subject.path, fields_with_length)
+    yield from merge_moves_into_resizings(family_pair, subject.interface, subject.path, fields_with_length)
 
 
-def _without_exchanged_filling(
+def _without_exchanged_unused_bits(
     family_pair: FamilyPair, interface: str, pairs: Sequence[OldAndNew[Field]]
 ) -> Iterator[OldAndNew[Field]]:
     """Yield the pairs of fields, except a field without data that only exchanged its bits with a field that moved.

@@ -120,7 +120,9 @@ def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> It
         shown_old, shown_new = old_value, new_value
         if kind in _KINDS_OF_FUNCTIONS:
             # The code of a function is too long to be shown. None still says that the function is gone.
-            shown_old, shown_new = "", None if new_value is None else ""
+            is_gone = new_value is None
+            shown_old = ""
+            shown_new = None if is_gone else ""
         yield NameChange(family=family, kind=kind, name=f"{prefix}{name}", old=shown_old, new=shown_new)
 
 

@@ -27,11 +27,11 @@ class Files:
     """The generated files in both versions."""
 
     #: Paths of the files that differ.
-    changed: tuple[str, ...]
+    changed_paths: tuple[str, ...]
     #: Number of all generated files.
-    count: int
+    file_count: int
     #: Names in the files that are gone or have a different value.
-    names: tuple[NameChange, ...] = ()
+    name_changes: tuple[NameChange, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -126,10 +126,10 @@ def as_data(result: DiffResult) -> dict[str, Any]:
 def _files_data(files: Files) -> dict[str, Any]:
     """Return the generated files in the JSON output: their number, those that change, and the changed names."""
     name_changes_data = [
-        {"family": name.family, "kind": name.kind, "name": name.name, "old": name.old, "new": name.new}
-        for name in files.names
+        {"family": change.family, "kind": change.kind, "name": change.name, "old": change.old, "new": change.new}
+        for change in files.name_changes
     ]
-    return {"files": files.count, "changed": list(files.changed), "names": name_changes_data}
+    return {"files": files.file_count, "changed": list(files.changed_paths), "names": name_changes_data}
 
 
 def _package_data(package: PackageVersions) -> dict[str, str]:
@@ -181,7 +181,7 @@ def as_markdown(result: DiffResult) -> str:
     if not result.changes:
         lines += ["No differences.", ""]
     if result.changes and result.files is not None:
-        lines += [f"{len(result.files.changed)} of {result.files.count} generated files change.", ""]
+        lines += [f"{len(result.files.changed_paths)} of {result.files.file_count} generated files change.", ""]
     return "\n".join(lines).rstrip()
 
 
@@ -204,7 +204,7 @@ def name_change_texts(result: DiffResult, family: str) -> list[str]:
 
     Functions whose code differs share one text: ``C functions with different code: x24_read, x24_decode``.
     """
-    name_changes = result.files.names if result.files is not None else ()
+    name_changes = result.files.name_changes if result.files is not None else ()
     texts: list[str] = []
     functions_by_kind: dict[str, list[str]] = {}
     for name_change in name_changes:
@@ -289,7 +289,7 @@ def _documentation_lines(changes: Sequence[Change]) -> Iterator[str]:
     """Yield a wrapped text for each rule of documentation changes: the first few places and the number of others."""
     for rule in dict.fromkeys(change.rule for change in changes):
         changes_of_rule = [change for change in changes if change.rule is rule]
-        places = first_of([_place_or_text(change) for change in changes_of_rule], between="; ")
+        places = first_of([_path_or_text(change) for change in changes_of_rule], between="; ")
         line_beginning = _first_column(rule.word)
         yield wrap_text(f"{places} [{rule.name}]", WIDTH, prefix=" " * _TEXT_COLUMN, first=line_beginning)
 
@@ -304,7 +304,7 @@ def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
     yield wrap_text(names_text, WIDTH, prefix=" " * _TEXT_COLUMN, first=_first_column("names"))
 
 
-def _place_or_text(change: Change) -> str:
+def _path_or_text(change: Change) -> str:
     """Return the place of a change of texts or citations, or for any other change its text.
 
     A place inside an interface is shortened: ``ssi.frame.position`` for ``interfaces.ssi.layouts.frame.position``.
@@ -318,9 +318,9 @@ def _result_lines(result: DiffResult) -> Iterator[str]:
     """Yield one wrapped text about generated files and package versions, or nothing if there are neither."""
     statements: list[str] = []
     if result.files is not None:
-        changed_count = len(result.files.changed)
+        changed_count = len(result.files.changed_paths)
         verb = "changes" if changed_count == 1 else "change"
-        statements.append(f"{changed_count} of {count_with_unit(result.files.count, 'file')} {verb}")
+        statements.append(f"{changed_count} of {count_with_unit(result.files.file_count, 'file')} {verb}")
     statements += map(describe_versions, result.packages)
     if statements:
         yield wrap_text(f"generated: {'; '.join(statements)}", WIDTH, prefix="  ", first="")

@@ -78,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
 RULE = "words-disagree"
 OUTDATED_RULE = "words-outdated"
 #: Parts whose texts no reader can fill in from the manual, because they are about other documents.
-_LEFT_OUT = frozenset("documents editions evidence lost_figures".split())
+_SECTIONS_WITHOUT_GAPS = frozenset("documents editions evidence lost_figures".split())
 #: Kinds of words. Each line has the senses of a kind, separated by bars, and each sense has words, separated by commas.
 #: Words of one sense can replace each other. A reader fills in the first word.
 _REPLACEABLE_WORDS = """\
@@ -137,33 +137,33 @@ _ONLY_AFTER = {
 }
 
 
-class _SpecText(NamedTuple):
-    """A text of a spec with gaps, and its place."""
+class _SpecTextWithGaps(NamedTuple):
+    """A text of a spec with gaps, and its path."""
 
-    place: Path
+    spec_path: Path
     cloze: ClozeText
 
 
-def clozes(spec: Document) -> dict[str, _SpecText]:
+def spec_text_by_path(spec: Document) -> dict[str, _SpecTextWithGaps]:
     """Return the texts of a spec that contain turning words, with gaps in place of these words, by their paths.
 
     A path is ``registers.mode.meaning``, for example. If several texts share a path, the second one gets a number:
     ``tables.limits.note 2``.
     """
     vocabulary = vocabulary_of(spec)
-    spec_texts: dict[str, _SpecText] = {}
-    for place, text in chain(prose_texts((), spec.data), _led_states(spec)):
-        if place[0] in _LEFT_OUT or is_source(place[-1]):
+    text_by_path: dict[str, _SpecTextWithGaps] = {}
+    for spec_path, text in chain(prose_texts((), spec.data), _led_states(spec)):
+        if spec_path[0] in _SECTIONS_WITHOUT_GAPS or is_source(spec_path[-1]):
             continue
         cloze = vocabulary.cloze(text)
         if cloze.gaps:
-            path = dotted_path(place)
+            path = dotted_path(spec_path)
             repetition = 1
-            while path in spec_texts:
+            while path in text_by_path:
                 repetition += 1
-                path = f"{dotted_path(place)} {repetition}"
-            spec_texts[path] = _SpecText(place, cloze)
-    return spec_texts
+                path = f"{dotted_path(spec_path)} {repetition}"
+            text_by_path[path] = _SpecTextWithGaps(spec_path, cloze)
+    return text_by_path
 
 
 def _led_states(spec: Document) -> Iterator[tuple[Path, str]]:
@@ -188,19 +188,20 @@ def sheet(spec: Document, old_entries: Mapping[str, Any]) -> dict[str, Any]:
     words are kept for texts that are unchanged, also if their path has changed.
     """
     sheet_entries: dict[str, Any] = {}
-    kinds: set[str] = set()
+    used_kinds: set[str] = set()
     choices = vocabulary_of(spec).choices
     # The path of a text changes if its part is renamed.
     old_entry_by_text = {old_entry["text"]: old_entry for old_entry in old_entries.values()}
-    for path, (_, cloze) in clozes(spec).items():
-        kinds.update(gap.kind for gap in cloze.gaps)
+    for path, spec_text in spec_text_by_path(spec).items():
+        cloze = spec_text.cloze
+        used_kinds.update(gap.kind for gap in cloze.gaps)
         sheet_entry = old_entries.get(path, {})
         if sheet_entry.get("text") != cloze.text:
             unfilled_words = ["?"] * len(cloze.gaps)
             sheet_entry = old_entry_by_text.get(cloze.text, {"text": cloze.text, "words": unfilled_words})
         sheet_entries[path] = {**sheet_entry, "words": _valid_words(cloze, sheet_entry["words"], choices)}
-    choices_of_kinds = {kind: list(words) for kind, words in choices.items() if kind in kinds}
-    return {"choices": choices_of_kinds, "texts": sheet_entries}
+    choices_of_used_kinds = {kind: list(words) for kind, words in choices.items() if kind in used_kinds}
+    return {"choices": choices_of_used_kinds, "texts": sheet_entries}
 
 
 def _valid_words(cloze: ClozeText, words: Sequence[str], choices: Mapping[str, Sequence[str]]) -> list[str]:
@@ -258,24 +259,24 @@ def compare_words(spec: Document, sheet_document: Document, report: ProblemRepor
     A text is outdated if it is new in the spec or has changed. If there is such a text, texts that are only in the
     sheet are not reported, because the command that refills the sheet also removes them.
     """
-    spec_texts = clozes(spec)
+    spec_texts = spec_text_by_path(spec)
     sheet_texts = sheet_document.data["texts"]
     is_outdated = False
     sheet_name = File(sheet_document.file).name
-    for path, (place, cloze) in spec_texts.items():
+    for path, (spec_path, cloze) in spec_texts.items():
         filled_text = sheet_texts.get(path)
         if filled_text is None:
             word_count_text = count_with_unit(len(cloze.gaps), "turning word")
             message = f"this text is not in {sheet_name}, and has {word_count_text}; {_advice_to_refill(spec)}"
-            report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
+            report.add(OUTDATED_RULE, spec, spec_path, message, cause=sheet_name)
             is_outdated = True
         elif filled_text["text"] != cloze.text or len(filled_text["words"]) != len(cloze.gaps):
             line, _ = sheet_document.position(("texts", path))
             message = f"this text has changed since {sheet_name}:{line} was filled; {_advice_to_refill(spec)}"
-            report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
+            report.add(OUTDATED_RULE, spec, spec_path, message, cause=sheet_name)
             is_outdated = True
         else:
-            _compare_gaps(spec, place, cloze, sheet_document, ("texts", path), report)
+            _compare_gaps(spec, spec_path, cloze, sheet_document, ("texts", path), report)
     if is_outdated:
         return
     for path in sheet_texts:
@@ -289,31 +290,31 @@ def _advice_to_refill(spec: Document) -> str:
 
 
 def _compare_gaps(
-    spec: Document, place: Path, cloze: ClozeText, sheet_document: Document, sheet_place: Path, report: ProblemReport
+    spec: Document, spec_path: Path, cloze: ClozeText, sheet_document: Document, sheet_path: Path, report: ProblemReport
 ) -> None:
     """Report each gap of a text that the sheet fills with a word that has a different meaning than the spec's word.
 
     A word that is not among the choices, such as a question mark, is reported as outdated.
     """
-    _, text_path = sheet_place  # The first step is "texts".
+    _, text_path = sheet_path  # The first step is "texts".
     words: Sequence[str] = sheet_document.data["texts"][text_path]["words"]
     choices = sheet_document.data["choices"]
     for number, (gap, word) in enumerate(zip(cloze.gaps, words, strict=True), 1):
-        word_place = (*sheet_place, "words", number - 1)
+        word_path = (*sheet_path, "words", number - 1)
         if word == gap.word:
             continue
         if word not in choices.get(gap.kind, ()):
             valid_words = ", ".join(choices.get(gap.kind, ()))
             message = f"gap {number} has {quoted(word)}; valid values for {gap.kind}: {valid_words}"
-            report.add(OUTDATED_RULE, sheet_document, word_place, message, cause=str(word))
+            report.add(OUTDATED_RULE, sheet_document, word_path, message, cause=str(word))
             continue
-        line, _ = sheet_document.position(word_place)
+        line, _ = sheet_document.position(word_path)
         sheet_text = f"{quoted(word)} in {File(sheet_document.file).name}:{line}"
         context = _text_around_gap(cloze, number)
         message = f"{context}: {quoted(gap.word)} here, {sheet_text}; check the manual and correct one of them"
         # If two signals are exchanged, many texts differ for the same cause.
         cause = f"{gap.word} {word}" if gap.kind == SIGNAL else ""
-        report.add(RULE, spec, place, message, cause=cause)
+        report.add(RULE, spec, spec_path, message, cause=cause)
 
 
 #: Number of characters of a text shown on each side of a gap.
@@ -378,7 +379,7 @@ class Vocabulary:
 
     def __init__(self, signals: Iterable[str]) -> None:
         #: The kind of each word, and the first word of its sense.
-        self._senses: dict[str, Gap] = {}
+        self._gap_by_word: dict[str, Gap] = {}
         #: First words of the senses, by kind: ``{"level": ["high", "low"]}``.
         self.choices: dict[str, Sequence[str]] = {}
         for line in _REPLACEABLE_WORDS.splitlines():
@@ -387,7 +388,7 @@ class Vocabulary:
         # Signals of one or two characters are left out. Each other word is a separate sense.
         self._add_kind(SIGNAL, [[signal] for signal in sorted(set(signals)) if len(signal) > 2])
         # A regular expression matches the first alternative that fits, so "no longer" must come before "no".
-        spellings = sorted(self._senses, key=len, reverse=True)
+        spellings = sorted(self._gap_by_word, key=len, reverse=True)
         self._pattern_of_word = re.compile(
             rf"(?<![\w/])(?:{'|'.join(map(_pattern_of_word, spellings))})(?!\w)", re.IGNORECASE
         )
@@ -397,7 +398,7 @@ class Vocabulary:
         self.choices[kind] = [words[0] for words in senses]
         for words in senses:
             for word in words:
-                self._senses.setdefault(word.casefold(), Gap(kind=kind, word=words[0]))
+                self._gap_by_word.setdefault(word.casefold(), Gap(kind=kind, word=words[0]))
 
     def cloze(self, text: str) -> ClozeText:
         """Return a text with numbered gaps in place of its turning words, and the list of gaps.
@@ -407,7 +408,7 @@ class Vocabulary:
         gaps: list[Gap] = []
 
         def numbered_gap(match: re.Match[str]) -> str:
-            gaps.append(self._senses[match[0].casefold()])
+            gaps.append(self._gap_by_word[match[0].casefold()])
             return f"{{{len(gaps)} {gaps[-1].kind}}}"
 
         text_on_one_line = " ".join(text.split())

@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"version": JSON_VERSION, "facts": facts_data(facts)})
     else:
         for fact in facts:
-            print(fact.shown)
+            print(fact.summary)
         print(f"{count_with_unit(len(facts), 'fact')} from {_section_and_page(section, page)}")
     return 0 if facts else 1
 

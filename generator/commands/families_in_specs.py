@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from ..order_codes.labels import LabelMatch
 
 #: Keys of files that can change a family of another file, and keys of descriptions of masters, which cannot.
-_OTHER_KINDS = frozenset((b"overlay", b"changes"))
+_OVERLAY_KEYS = frozenset((b"overlay", b"changes"))
 _MASTER_KEYS = frozenset((b"master", b"takes"))
 _TOP_LEVEL_KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
 _DEVICE_NAME = re.compile(rb"\ndevice[ \t]*:[ \t]*([a-z][a-z0-9_]*)[ \t]*(?:#[^\n]*)?(?=\r?\n)")
 _PATTERN_KEY = re.compile(rb"pattern['\"]?[ \t]*:")
 _ORDER_CODE_PATTERN = re.compile(rb"pattern[ \t]*:[ \t]*\"([^\"\\{}\r\n]*)\{")
-_ORDER_CODE = re.compile(r"\norder_code[ \t]*:[ \t]*(?=[\r\n]).*?(?=\n[^ #\r\n]|\Z)", re.DOTALL)
+_ORDER_CODE_SECTION = re.compile(r"\norder_code[ \t]*:[ \t]*(?=[\r\n]).*?(?=\n[^ #\r\n]|\Z)", re.DOTALL)
 
 #: Kind of the cache entries with the results of ``_read_beginnings``.
 _BEGINNINGS_ENTRY = "beginnings"
@@ -58,7 +58,7 @@ class _SpecFile:
     name: str = ""
     beginnings: tuple[str, ...] = ("",)
 
-    def can_have(self, label: str) -> bool:
+    def can_have_order_code(self, label: str) -> bool:
         return label.startswith(self.beginnings)
 
 
@@ -86,9 +86,9 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
             return (device,)
         devices: list[Device] = []
         for device_file in device_files:
-            if not device_file.can_have(label):
+            if not device_file.can_have_order_code(label):
                 continue
-            # If the text shows the beginnings, ``can_have`` has already compared them with the label.
+            # If the text shows the beginnings, ``can_have_order_code`` has already compared them with the label.
             shows_beginnings = all(device_file.beginnings)
             devices += _load_if_possible(device_file.path, cache, label="" if shows_beginnings else label)
         return tuple(devices)
@@ -149,13 +149,13 @@ def _read_spec_file(path: Path) -> _SpecFile:
         raise OSError
     # The expressions begin with ``\n`` to match only at the beginning of a line.
     spec_text = b"\n" + path.read_bytes()
-    keys = set(_TOP_LEVEL_KEY.findall(spec_text))
+    top_level_keys = set(_TOP_LEVEL_KEY.findall(spec_text))
     device_names = _DEVICE_NAME.findall(spec_text)
-    if not keys.isdisjoint(_OTHER_KINDS):
+    if not top_level_keys.isdisjoint(_OVERLAY_KEYS):
         return _SpecFile(path)
     # If a file has the key of a device, but also keys of a master or not exactly one name, its kind is not known.
-    has_device_key = b"device" in keys
-    if not keys.isdisjoint(_MASTER_KEYS):
+    has_device_key = b"device" in top_level_keys
+    if not top_level_keys.isdisjoint(_MASTER_KEYS):
         return _SpecFile(path, kind="" if has_device_key else _MASTER_FILE)
     if len(device_names) == 1:
         name = device_names[0].decode()
@@ -188,7 +188,7 @@ def _read_beginnings(spec: Path) -> tuple[str, ...]:
     from ..loading.order_code_facts import code_grammar
     from ..order_codes.patterns import beginnings
 
-    order_code_section = _ORDER_CODE.search("\n" + spec.read_text(encoding="utf-8"))
+    order_code_section = _ORDER_CODE_SECTION.search("\n" + spec.read_text(encoding="utf-8"))
     section_text = order_code_section[0] if order_code_section else ""
     problems: list[object] = []
     try:

@@ -181,21 +181,21 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
     return _with_stated_length(frame, bits, text)
 
 
-def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
-    """Return a frame with the length that the user gave, or with its own length if ``bits`` is None.
+def _with_stated_length(frame: _Frame, bit_count: int | None, text: str) -> _Frame:
+    """Return a frame with the length that the user gave, or with its own length if ``bit_count`` is None.
 
     Raises:
         CommandError: The frame has 1 bits above this length. The exit code is 2.
     """
-    if bits is None:
+    if bit_count is None:
         return frame
-    if frame.number.bit_length() > bits:
-        raise CommandError(f"'{text[:_SHOWN_CHARACTERS]}' has more than {bits} bits", 2)
-    return _Frame(frame.number, bits)
+    if frame.number.bit_length() > bit_count:
+        raise CommandError(f"'{text[:_SHOWN_CHARACTERS]}' has more than {bit_count} bits", 2)
+    return _Frame(frame.number, bit_count)
 
 
-def _read_positions(text: str, count: int) -> tuple[float, ...]:
-    """Return the positions in a text such as ``0,45,90``. There must be ``count`` of them, one for each frame.
+def _read_positions(text: str, frame_count: int) -> tuple[float, ...]:
+    """Return the positions in a text such as ``0,45,90``. There must be ``frame_count`` of them, one for each frame.
 
     Raises:
         CommandError: The text is not a list of numbers, or their number is wrong. The exit code is 2.
@@ -203,13 +203,13 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
     from math import isfinite
 
     try:
-        positions = tuple(float(piece) for piece in text.split(","))
+        positions = tuple(float(number_text) for number_text in text.split(","))
     except ValueError:
         start_of_text = text[:_SHOWN_CHARACTERS]
         problem = f"'{start_of_text}' is not a list of numbers"
         raise CommandError(f"{problem}; write it like --positions 0,45,90", 2) from None
-    if len(positions) != count:
-        both_counts = f"{count_with_unit(len(positions), 'position')} for {count_with_unit(count, 'frame')}"
+    if len(positions) != frame_count:
+        both_counts = f"{count_with_unit(len(positions), 'position')} for {count_with_unit(frame_count, 'frame')}"
         raise CommandError(f"{both_counts}; give one for each frame", 2)
     if not all(map(isfinite, positions)):
         raise CommandError("a position is not a finite number; write it like --positions 0,45,90", 2)

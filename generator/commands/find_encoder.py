@@ -169,10 +169,9 @@ def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bo
         _refuse_hidden(device, reports_with_problems)
         for report in reports_with_problems:
             _print_skipped_files(report)
-        for later_paths in specs.groups[index + 1 :]:
-            if has_same_spec(paths, later_paths, device.name):
-                continue
-            if _group_has(later_paths, device.name, text, cache, accepts_family=accepts_family):
+        for unused_paths in specs.groups[index + 1 :]:
+            has_other_spec = not has_same_spec(paths, unused_paths, device.name)
+            if has_other_spec and _group_has(unused_paths, device.name, text, cache, accepts_family=accepts_family):
                 print(f"codewheel: {text} is in your specs and in the packaged ones; yours are used", file=sys.stderr)
         return FoundEncoder(device, code_match, paths)
     raise _no_such_encoder(specs, text, cache, accepts_family=accepts_family)
@@ -229,7 +228,7 @@ def _all_matches(
     """Return each family that has the order code ``text``, with its match.
 
     If ``accepts_family`` allows names and a family has this name, return only this family, with None instead of a
-    code_match.
+    match.
     """
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find_code as match_of

@@ -53,13 +53,14 @@ def add_arguments(parser: Parser) -> None:
 
 def metres(text: str) -> int:
     """Return a cable length in whole metres, rounded up. Raise ArgumentTypeError unless it is 1 to 100,000 m."""
+    not_a_length = argparse.ArgumentTypeError(f"'{text}' is not a length in metres, such as 30")
     try:
-        length = math.ceil(float(text))
+        length_in_metres = math.ceil(float(text))
     except (ValueError, OverflowError):
-        length = 0  # This is an error, too.
-    if not 0 < length <= _LONGEST_CABLE_M:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a length in metres, such as 30")
-    return length
+        raise not_a_length from None
+    if not 0 < length_in_metres <= _LONGEST_CABLE_M:
+        raise not_a_length
+    return length_in_metres
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -84,19 +85,19 @@ def run(arguments: argparse.Namespace) -> int:
             print(text.masters_text(masters))
         return 0
     _refuse_unknown_master(arguments.master, masters)
-    device, code_match, encoder_record = _requested_record(arguments)
+    device, code_match, encoder_facts = _facts_of_requested_encoder(arguments)
     if arguments.format is not None or arguments.device is not None:
-        print(_file_for_master(arguments, device, masters, encoder_record))
+        print(_file_for_master(arguments, device, masters, encoder_facts))
         return 0
     shown_masters = [master for master in masters if arguments.master in (None, master.name)]
-    sheets = [sheet.sheet(master, encoder_record) for master in shown_masters]
+    sheets = [sheet.sheet(master, encoder_facts) for master in shown_masters]
     if arguments.json:
-        print_json(text.sheet_data(device, code_match, encoder_record, sheets))
+        print_json(text.sheet_data(device, code_match, encoder_facts, sheets))
     else:
-        print(text.sheet_text(device, code_match, encoder_record, sheets))
+        print(text.sheet_text(device, code_match, encoder_facts, sheets))
     # With ``--master``, there is only its sheet.
     is_refused = arguments.master is not None and sheets[0].refusals
-    return 1 if is_refused or encoder_record.obstacle else 0
+    return 1 if is_refused or encoder_facts.obstacle else 0
 
 
 def _refuse_incomplete_options(arguments: argparse.Namespace) -> None:
@@ -127,7 +128,7 @@ def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
         raise CommandError(f"there is no master '{name}'{hint}", 2)
 
 
-def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch, EncoderFacts]:
+def _facts_of_requested_encoder(arguments: argparse.Namespace) -> tuple[Device, LabelMatch, EncoderFacts]:
     """Return the family and match of the order code, and the record of the settings that masters need for it.
 
     Raises:
@@ -149,7 +150,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     answers = answers_of(device, code_match.variant, arguments.choose)
     has_factory_defaults = not register_bytes
     try:
-        encoder_record = facts_of_order_code(
+        encoder_facts = facts_of_order_code(
             device, variant, as_delivered=has_factory_defaults, cable_m=arguments.cable, answers=answers
         )
     except Undecided as error:
@@ -157,11 +158,11 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
         raise CommandError(message, 2) from None
     except NoMasterSettings as error:
         raise CommandError(str(error), 1) from None
-    return device, code_match, encoder_record
+    return device, code_match, encoder_facts
 
 
 def _file_for_master(
-    arguments: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_record: EncoderFacts
+    arguments: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_facts: EncoderFacts
 ) -> str:
     """Return the text of a file for ``--master`` in the ``--format`` that the user chose.
 
@@ -177,15 +178,15 @@ def _file_for_master(
 
     master = member_named(masters, arguments.master, "master")
     file_format = _chosen_format(arguments, master, masters)
-    master_sheet = sheet(master, encoder_record)
+    master_sheet = sheet(master, encoder_facts)
     if master_sheet.refusals:
-        raise CommandError(_cannot_use_message(master_sheet, masters, encoder_record), 2)
+        raise CommandError(_cannot_use_message(master_sheet, masters, encoder_facts), 2)
     devices_with_format = master_sheet.devices_with(file_format)
     master_device = devices_with_format[0] if arguments.device is None else arguments.device
     if master_device not in devices_with_format:
         known_devices = join_words(devices_with_format, "or")
         raise CommandError(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
-    text = file_text(device, [encoder_record.code], master_sheet, file_rule=file_format, master_device=master_device)
+    text = file_text(device, [encoder_facts.code], master_sheet, file_rule=file_format, master_device=master_device)
     return text.rstrip("\n")
 
 
@@ -209,7 +210,7 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
     return formats[arguments.format]
 
 
-def _cannot_use_message(master_sheet: SettingsSheet, masters: Sequence[Master], encoder_record: EncoderFacts) -> str:
+def _cannot_use_message(master_sheet: SettingsSheet, masters: Sequence[Master], encoder_facts: EncoderFacts) -> str:
     """Return the message about a master that does not support the encoder: why not, and which other masters do.
 
     Only masters with file formats are suggested.
@@ -218,7 +219,7 @@ def _cannot_use_message(master_sheet: SettingsSheet, masters: Sequence[Master], 
     from ..masters.sheet import sheet
 
     masters_with_files = [master for master in masters if master.files]
-    usable_names = [master.name for master in masters_with_files if not sheet(master, encoder_record).refusals]
+    usable_names = [master.name for master in masters_with_files if not sheet(master, encoder_facts).refusals]
     hint = f"; there are files for {join_words(usable_names)}" if usable_names else ""
     reason = master_sheet.refusals[0].reason.rstrip(".")
-    return f"{master_sheet.master.name} cannot use {encoder_record.code}: {reason}{hint}"
+    return f"{master_sheet.master.name} cannot use {encoder_facts.code}: {reason}{hint}"

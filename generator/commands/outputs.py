@@ -277,10 +277,10 @@ class FamilyParts:
     def __init__(self, cache: Cache, only_paths: frozenset[str] = frozenset()) -> None:
         """Set the cache, and the names of families for which only the paths of files are needed, not their texts."""
         self._cache = cache
-        self._only_paths = only_paths
-        self._masters = content_of(sorted(packaged_masters().iterdir()))
-        self._parts: dict[tuple[str, str], Any] = {}
-        self._digests: dict[int, tuple[Device, str]] = {}
+        self._families_with_only_paths = only_paths
+        self._masters_content = content_of(sorted(packaged_masters().iterdir()))
+        self._part_by_target_and_digest: dict[tuple[str, str], Any] = {}
+        self._device_and_digest_by_id: dict[int, tuple[Device, str]] = {}
 
     def files_of(self, target: Target, library: Library, options: Options) -> Mapping[str, str]:
         """Return the files of a target like ``registry.files_of``, but render only parts that were not rendered before.
@@ -290,11 +290,11 @@ class FamilyParts:
             TemplateFault: A user's template has an error.
         """
         if target.name in BUILT_IN and options == target.defaults and library.own_templates is None:
-            stored_part = partial(self._part, target.name)
-            library = replace(library, stored_part=stored_part, only_paths=self._only_paths)
+            stored_part = partial(self._cached_part, target.name)
+            library = replace(library, stored_part=stored_part, only_paths=self._families_with_only_paths)
         return files_of(target, library, options)
 
-    def _part(self, target_name: str, device: Device, render: Callable[[], Any]) -> Any:
+    def _cached_part(self, target_name: str, device: Device, render: Callable[[], Any]) -> Any:
         """Return the part of a target for one family, from this run or the cache, or rendered.
 
         A device without a digest is always rendered. Parts of families in ``only_paths`` are cached separately.
@@ -303,22 +303,22 @@ class FamilyParts:
         if not digest:
             return render()
         key = (target_name, digest)
-        if key not in self._parts:
-            kind = "paths" if device.name in self._only_paths else "part"
-            self._parts[key] = self._from_cache(f"{kind} {target_name}", digest, render)
-        return self._parts[key]
+        if key not in self._part_by_target_and_digest:
+            part_kind = "paths" if device.name in self._families_with_only_paths else "part"
+            self._part_by_target_and_digest[key] = self._part_from_cache(f"{part_kind} {target_name}", digest, render)
+        return self._part_by_target_and_digest[key]
 
-    def _from_cache(self, kind: str, digest: str, render: Callable[[], Any]) -> Any:
+    def _part_from_cache(self, entry_kind: str, digest: str, render: Callable[[], Any]) -> Any:
         """Return the part in the cache, or render and store it.
 
         The key also contains the descriptions of all masters.
         """
-        content = [digest, *self._masters]
-        stored = self._cache.get(kind, content)
-        if stored is not None:
-            return stored
+        key_content = [digest, *self._masters_content]
+        stored_part = self._cache.get(entry_kind, key_content)
+        if stored_part is not None:
+            return stored_part
         part = render()
-        self._cache.put(kind, content, part)
+        self._cache.put(entry_kind, key_content, part)
         return part
 
     def _digest_of(self, device: Device) -> str:
@@ -326,9 +326,9 @@ class FamilyParts:
 
         The device is stored with its digest, because Python would otherwise reuse its ``id`` for another device.
         """
-        if id(device) not in self._digests:
-            self._digests[id(device)] = (device, digest_of(device))
-        _, digest = self._digests[id(device)]
+        if id(device) not in self._device_and_digest_by_id:
+            self._device_and_digest_by_id[id(device)] = (device, digest_of(device))
+        _, digest = self._device_and_digest_by_id[id(device)]
         return digest
 
 

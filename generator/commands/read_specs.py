@@ -124,7 +124,7 @@ class Specs:
         return [group for group in (self.paths, self.packaged) if group]
 
 
-def find_specs(named: Sequence[Path]) -> Specs:
+def find_specs(named_paths: Sequence[Path]) -> Specs:
     """Return the specs that a command reads.
 
     These are the specs that are named on the command line. If none are named, they are the specs that the settings of
@@ -134,10 +134,10 @@ def find_specs(named: Sequence[Path]) -> Specs:
     Raises:
         CommandError: A named path does not exist (exit code 2), or the settings contain errors (exit code 1).
     """
-    refuse_missing(named)
+    refuse_missing(named_paths)
     settings = find_settings()
-    if named:
-        return Specs(paths=tuple(named), settings=settings)
+    if named_paths:
+        return Specs(paths=tuple(named_paths), settings=settings)
     if settings is None:
         user_specs = _search_folder(Path(), outputs=())
     elif settings.specs:
@@ -166,7 +166,7 @@ def find_settings() -> Configuration | None:
 _COMMANDS_WITH_OPTION = ("reread OLD NEW", "facts FAMILY", "cloze FAMILY")
 
 
-def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
+def find_specs_to_judge(named_paths: Sequence[Path], command: str) -> Specs:
     """Return the user's specs for a command that writes or checks something, without the packaged specs.
 
     ``command`` is the command in messages, such as ``generate`` or ``facts FAMILY``.
@@ -175,7 +175,7 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
         CommandError: There are no specs, there are more files than the search can find, or a named path does not exist
             (exit code 2). Or the settings contain errors (exit code 1).
     """
-    specs = find_specs(named)
+    specs = find_specs(named_paths)
     folder = specs.settings.folder if specs.settings is not None else Path()
     # These commands have positional arguments of their own, so specs are named with an option.
     option = " --specs" if command in _COMMANDS_WITH_OPTION else ""
@@ -193,7 +193,7 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
             example = _example_of_packaged_family()
             hint = f"; outputs for a packaged encoder: codewheel generate --packaged {example} -o out"
         raise CommandError(f"{problem}; {remedy}{hint}", 2)
-    _report_not_entered(specs, folder)
+    _report_unsearched_folders(specs, folder)
     return replace(specs, packaged=())
 
 
@@ -220,7 +220,7 @@ def _real_folder(path: Path) -> str:
     return os.path.join(os.path.realpath(path), "")
 
 
-def _report_not_entered(specs: Specs, folder: Path) -> None:
+def _report_unsearched_folders(specs: Specs, folder: Path) -> None:
     """Report folders that may contain specs but were not searched, so that users do not believe they were checked.
 
     ``folder`` is the folder that was searched if no folders are among the specs. A link to a folder that was searched
@@ -242,13 +242,13 @@ def _report_not_entered(specs: Specs, folder: Path) -> None:
         print(f"codewheel: not searched for specs: {first_of(paths_with_reasons, _MAX_FOLDERS)}", file=sys.stderr)
 
 
-def find_specs_to_read(named: Sequence[Path]) -> Specs:
+def find_specs_to_read(named_paths: Sequence[Path]) -> Specs:
     """Return the specs for a command that only reads, and print a notice if the search ended before its end.
 
     Raises:
         CommandError: A named path does not exist (exit code 2), or the settings contain errors (exit code 1).
     """
-    specs = find_specs(named)
+    specs = find_specs(named_paths)
     if not specs.is_complete:
         print(
             f"codewheel: searched only {MOST_NAMES:,} files and folders for specs; name yours with --specs, or list "
@@ -337,7 +337,7 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
     from ..targets.registry import target_names
 
     known_names = target_names()
-    unknown_targets = [(name, place) for name, place in registered_targets if name not in known_names]
+    unknown_targets = [(name, settings_path) for name, settings_path in registered_targets if name not in known_names]
     if unknown_targets:
         raise error_after_printing(_report_unknown_targets(settings.file, unknown_targets, known_names))
 
@@ -353,11 +353,11 @@ def _report_unknown_targets(
     from ..loading.configuration_file import add_error
 
     report = ProblemReport()
-    for name, place in unknown_targets:
+    for name, settings_path in unknown_targets:
         hint = suggest_word(name, known_names, "there are")
         message = f"there is no target '{name}'{hint}"
-        is_key = place[0] == "only"
-        add_error(report, file, place, rule="undefined-reference", message=message, at_key=is_key)
+        is_key = settings_path[0] == "only"
+        add_error(report, file, settings_path, rule="undefined-reference", message=message, at_key=is_key)
     return report
 
 
@@ -383,11 +383,11 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
                 continue
             hint = suggest_word(name, known_names, "there are")
             message = f"there is no family '{name}' among the specs{hint}"
-            place = ("only", target, "families", index)
-            add_error(report, settings.file, place, rule="undefined-reference", message=message)
+            settings_path = ("only", target, "families", index)
+            add_error(report, settings.file, settings_path, rule="undefined-reference", message=message)
 
 
-def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
+def specs_to_judge(named_paths: Sequence[Path], command: str) -> Specs:
     """Return the user's specs for a command that writes or checks something, and check the targets in the settings.
 
     ``command`` is the command in messages, such as ``generate`` or ``facts FAMILY``.
@@ -395,17 +395,17 @@ def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     Raises:
         CommandError: There are no specs, a named path does not exist, or the settings contain errors.
     """
-    specs = find_specs_to_judge(named, command)
+    specs = find_specs_to_judge(named_paths, command)
     refuse_unknown_targets(specs.settings)
     return specs
 
 
-def specs_to_read(named: Sequence[Path]) -> Specs:
+def specs_to_read(named_paths: Sequence[Path]) -> Specs:
     """Return the specs for a command that only reads, after checking the targets in the settings.
 
     Raises:
         CommandError: A named path does not exist, or the settings contain errors.
     """
-    specs = find_specs_to_read(named)
+    specs = find_specs_to_read(named_paths)
     refuse_unknown_targets(specs.settings)
     return specs

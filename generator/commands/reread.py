@@ -58,7 +58,7 @@ class _ChangedPassage:
     #: Facts whose value or name appears in the passage.
     facts: Sequence[CitingFact]
     #: Number of all facts that cite the section.
-    facts_of_section: int
+    section_fact_count: int
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -157,7 +157,7 @@ def _passage_with_facts(
         passage=passage,
         section_names=frozenset(section_names),
         facts=facts,
-        facts_of_section=number_of_facts,
+        section_fact_count=number_of_facts,
     )
 
 
@@ -209,7 +209,7 @@ def _passage_lines(changed_passage: _ChangedPassage, listed_paths: set[str]) -> 
     for edition, passage_text in (("old", old_text), ("new", new_text)):
         if passage_text:
             yield f"  {edition}: {_shorten_text(passage_text)}"
-    if not changed_passage.facts_of_section:
+    if not changed_passage.section_fact_count:
         yield "  no fact in the spec cites this place"
         return
     groups = _groups_of_equal_facts(changed_passage.facts)[:_MAX_FACTS]
@@ -222,7 +222,7 @@ def _passage_lines(changed_passage: _ChangedPassage, listed_paths: set[str]) -> 
         conjunction = "and " if new_groups else ""
         yield f"  {conjunction}the facts listed above for the same change"
         return
-    unlisted_count = changed_passage.facts_of_section - len(listed_facts)
+    unlisted_count = changed_passage.section_fact_count - len(listed_facts)
     if unlisted_count:
         noun = "other fact" if listed_facts else "fact"
         yield f"  and {count_with_unit(unlisted_count, noun)} from this section"
@@ -232,10 +232,10 @@ def _line_of_equal_facts(facts: Sequence[CitingFact]) -> str:
     """Return a line with the first of several equal facts, and the lines of the spec that contain the others."""
     first_fact, *other_facts = facts
     if not other_facts:
-        return f"  {first_fact.shown}"
+        return f"  {first_fact.summary}"
     other_lines = [str(line_number) for line_number in sorted({fact.line for fact in other_facts})]
     noun = "line" if len(other_lines) == 1 else "lines"
-    return f"  {first_fact.shown}, also in {noun} {joined_lines(other_lines)}"
+    return f"  {first_fact.summary}, also in {noun} {joined_lines(other_lines)}"
 
 
 def _groups_of_equal_facts(facts: Sequence[CitingFact]) -> list[list[CitingFact]]:
@@ -272,5 +272,5 @@ def _passage_data(changed_passage: _ChangedPassage) -> Mapping[str, Any]:
         "old": " ".join(passage.old_words),
         "new": " ".join(passage.new_words),
         "facts": facts_data(changed_passage.facts),
-        "facts_of_section": changed_passage.facts_of_section,
+        "facts_of_section": changed_passage.section_fact_count,
     }

@@ -48,8 +48,8 @@ def _workflow_command(finding: ReviewFinding) -> str:
     # In the properties, a comma or a colon would end the value.
     file = _escape_workflow_text(finding.file, ",:")
     rule = _escape_workflow_text(finding.rule, ",:")
-    place = f"file={file},line={finding.line},col={finding.column},title={rule}"
-    return f"::{finding.level} {place}::{_escape_workflow_text(finding.message)}"
+    properties = f"file={file},line={finding.line},col={finding.column},title={rule}"
+    return f"::{finding.level} {properties}::{_escape_workflow_text(finding.message)}"
 
 
 def _escape_workflow_text(text: str, more_characters: str = "") -> str:

@@ -247,12 +247,14 @@ def _unknown_code_error(device: Device, label: str) -> UnknownOrderCode:
     if not candidates:
         message = not_of_family(code=label, family=device.name.upper(), nearest=nearest)
         return UnknownOrderCode(message, names_mistake=False)
-    likeliest = min(candidates)  # ``_WrongPart`` is ordered by its members.
-    part = device.order_code.parts[likeliest.position]
+    likeliest_wrong_part = min(candidates)  # ``_WrongPart`` is ordered by its members.
+    part = device.order_code.parts[likeliest_wrong_part.position]
     valid_values = ", ".join(value.text for value in part.values)
     if part.open:
         valid_values += unlisted_values(part.open)
-    problem = has_part(part.name, likeliest.text) if likeliest.is_present else has_no_part(part.name)
+    problem = (
+        has_part(part.name, likeliest_wrong_part.text) if likeliest_wrong_part.is_present else has_no_part(part.name)
+    )
     message = wrong_part(code=label, problem=problem, valid=valid_values, nearest=nearest)
     return UnknownOrderCode(message, names_mistake=True)
 
@@ -381,14 +383,14 @@ def closest_reason(devices: Sequence[Device], text: str) -> str | None:
     A family is similar if the text begins with its name, or matches all but one part of its order codes. The text must
     not be an order code of any of the families.
     """
-    reasons = list(_reasons(devices, text))
+    reasons = list(_reasons_of_similar_families(devices, text))
     if not reasons:
         return None
     best = max(reasons, key=lambda reason: (reason.matching_characters, reason.is_close))
     return best.message
 
 
-def _reasons(devices: Iterable[Device], text: str) -> Iterator[_Reason]:
+def _reasons_of_similar_families(devices: Iterable[Device], text: str) -> Iterator[_Reason]:
     """Yield why a text is not an order code, for each family that it names or almost matches."""
     label = _without_marks(text)
     for device in devices:
@@ -398,8 +400,8 @@ def _reasons(devices: Iterable[Device], text: str) -> Iterator[_Reason]:
             find_code(device, text)
         except UnknownOrderCode as error:
             if error.names_mistake or length_of_name:
-                length = max(length_of_name, _length_before_parts(device))
-                yield _Reason(matching_characters=length, is_close=error.names_mistake, message=str(error))
+                matching_length = max(length_of_name, _length_before_parts(device))
+                yield _Reason(matching_characters=matching_length, is_close=error.names_mistake, message=str(error))
 
 
 def _without_marks(text: str) -> str:

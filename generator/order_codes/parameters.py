@@ -34,23 +34,30 @@ def parameters_of(device: Device, interface_name: str) -> tuple[Parameter, ...]:
     used_by_any: set[str] = set()
     for interface in device.interfaces:
         used_by_any |= _used_parameters(device, interface.name)
-    formulas: dict[str, Expression] = {}
+    formula_by_name: dict[str, Expression] = {}
     selected_names: set[str] = set()
     for parameter in device.parameters:
         if parameter.interface not in ("", interface_name):
             continue
         if parameter.equals is not None:
-            formulas[parameter.name] = parameter.equals
+            formula_by_name[parameter.name] = parameter.equals
         is_for_information = parameter.equals is None and parameter.name not in used_by_any
         if parameter.name in used_by_interface or is_for_information:
             selected_names.add(parameter.name)
+    selected_names |= _computable_names(formula_by_name, known_names=selected_names)
+    return tuple(parameter for parameter in device.parameters if parameter.name in selected_names)
+
+
+def _computable_names(formula_by_name: Mapping[str, Expression], known_names: Collection[str]) -> set[str]:
+    """Return the names of the parameters whose formulas only need known parameters, or others that are computable."""
+    computable_names: set[str] = set()
     # A formula may use the result of another formula, so repeat until no parameter is added.
     while True:
-        computable = {name for name, formula in formulas.items() if selected_names.issuperset(formula.parameters)}
-        if computable <= selected_names:
-            break
-        selected_names |= computable
-    return tuple(parameter for parameter in device.parameters if parameter.name in selected_names)
+        usable_names = {*known_names, *computable_names}
+        next_names = {name for name, formula in formula_by_name.items() if usable_names.issuperset(formula.parameters)}
+        if next_names <= computable_names:
+            return computable_names
+        computable_names |= next_names
 
 
 def run_time_names(device: Device) -> frozenset[str]:
@@ -350,21 +357,21 @@ def _value_from_bytes(register: Register, parameter: Parameter, register_bytes: 
     if value is None:
         codes = ", ".join(str(coded_value.code) for coded_value in parameter.by_code)
         raise RegisterError(f"{parameter.read_from} does not hold a code of {parameter.name}; the codes are {codes}")
-    low = parameter.min or 0
-    high = value if parameter.max is None else parameter.max
-    if not low <= value <= high:
-        raise RegisterError(f"{parameter.name} is {value}; it can be {low} to {high}")
+    lowest = parameter.min or 0
+    highest = value if parameter.max is None else parameter.max
+    if not lowest <= value <= highest:
+        raise RegisterError(f"{parameter.name} is {value}; it can be {lowest} to {highest}")
     return value
 
 
-def _value_in_content(register: Register, parameter: Parameter, number: int) -> int | None:
-    """Return the value of a parameter in a register that contains ``number``, or None if its code is not valid.
+def _value_in_content(register: Register, parameter: Parameter, register_content: int) -> int | None:
+    """Return the value of a parameter in a register with this content, or None if its code is not valid.
 
     In some registers, 0 stands for a different number, ``zero_means``: 256 in 8 bits, for example.
     """
     field = register.layout.field(parameter.field)
     mask = (1 << field.widest) - 1
-    stored_number = (number >> field.low.constant) & mask
+    stored_number = (register_content >> field.low.constant) & mask
     if stored_number == 0 and not parameter.by_code:
         stored_number = field.number.zero_means
     return parameter.held_value(stored_number)

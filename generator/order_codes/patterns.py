@@ -66,14 +66,14 @@ def values_by_spelling(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
     return spellings_of_part or {value.text: value.text for value in part.values}
 
 
-def beginnings(code: OrderCode) -> tuple[str, ...]:
+def beginnings(order_code: OrderCode) -> tuple[str, ...]:
     """Return the texts with which labels of the family begin, in uppercase and without spaces.
 
     Texts that begin with another of these texts are left out. ``("",)`` means that a label can begin with any text.
     """
     prefixes: set[str] = set()
-    for spelling in (as_listed(code), *code.also_written):
-        prefixes |= {without_blanks(text).upper() for text in _first_texts(code, spelling)}
+    for spelling in (as_listed(order_code), *order_code.also_written):
+        prefixes |= {without_blanks(text).upper() for text in _first_texts(order_code, spelling)}
     shortest_prefixes: list[str] = []
     for prefix in sorted(prefixes):  # If one prefix begins with another, the shorter one comes first.
         if not prefix.startswith(tuple(shortest_prefixes)):
@@ -81,7 +81,7 @@ def beginnings(code: OrderCode) -> tuple[str, ...]:
     return tuple(shortest_prefixes)
 
 
-def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
+def _first_texts(order_code: OrderCode, spelling: Spelling) -> list[str]:
     """Return the texts with which labels in this spelling begin: fixed text, or the values of the first part.
 
     If the first part can have unlisted values, the list contains "", because a label can then begin with any text.
@@ -90,7 +90,7 @@ def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
     text_before_parts, first_part_name, *_ = _PART_IN_BRACES.split(spelling.pattern)
     if text_before_parts.strip():
         return [text_before_parts]
-    first_part = member_named(code.parts, first_part_name, "part of the order code")
+    first_part = member_named(order_code.parts, first_part_name, "part of the order code")
     first_texts = list(values_by_spelling(first_part, spelling))
     has_own_spelling = any(value.part == first_part.name for value in spelling.values)
     if first_part.open and not has_own_spelling:

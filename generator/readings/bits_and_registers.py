@@ -55,17 +55,17 @@ def add_names(subject: FactSubject, placed_field: PlacedField, owner: str | int,
     fields of a group, are left out.
     """
     field_name = placed_field.name
-    place = subject.place
+    path_in_file = subject.path_in_file
     bits_text = f"{bits(placed_field.high, placed_field.low)} of '{owner}'"
     low_and_width = placed_field.low, placed_field.width
-    has_name_at_place = place[-2:] == ("fields", field_name)
+    has_name_at_place = path_in_file[-2:] == ("fields", field_name)
     if has_name_at_place:
         name_fact = ComparedFact(
             fact_class=FactClass.POSITION,
             key=low_and_width,
             value=field_name,
             description=f"name of {bits_text}",
-            place=(*place, "name"),
+            path_in_file=(*path_in_file, "name"),
         )
         facts.add_name(("field",), name_fact)
     for named_value in placed_field.field.values:
@@ -74,7 +74,7 @@ def add_names(subject: FactSubject, placed_field: PlacedField, owner: str | int,
             key=(named_value.value,),
             value=named_value.name,
             description=f"name of value {in_hex(named_value.value)} of {bits_text}",
-            place=subject.reading.first_existing((*place, "values", named_value.name), place),
+            path_in_file=subject.reading.first_existing((*path_in_file, "values", named_value.name), path_in_file),
         )
         facts.add_name(("value", *low_and_width), value_name_fact)
 
@@ -114,19 +114,21 @@ def _facts_of_kind(subject: FactSubject, field: Field) -> Iterator[ComparedFact]
     for fact in subject.stated_facts(field.kind):
         if fact.fact_class is FactClass.VERDICT:
             # If the interface defines the verdict of a flag, it is not in the spec.
-            verdict_place = reading.first_existing(fact.place, subject.place)
-            yield replace(fact, place=verdict_place, may_be_missing=isinstance(field.kind, Unused))
+            verdict_path = reading.first_existing(fact.path_in_file, subject.path_in_file)
+            yield replace(fact, path_in_file=verdict_path, may_be_missing=isinstance(field.kind, Unused))
         else:
             yield replace(fact, may_be_missing=False)
     if isinstance(field.kind, CrcValue):
         crc_text = f"the CRC over {interface_label(subject.interface)}"
-        crc_subject = FactSubject(reading, key=("crc",), place=("crcs", field.kind.crc), description=crc_text)
+        crc_subject = FactSubject(reading, key=("crc",), path_in_file=("crcs", field.kind.crc), description=crc_text)
         yield from crc_subject.stated_facts(reading.device.crc(field.kind.crc))
     for named_value in field.values:
         value_subject = FactSubject(
             reading,
             key=("value", named_value.value),
-            place=reading.first_existing((*subject.place, "values", named_value.name), subject.place),
+            path_in_file=reading.first_existing(
+                (*subject.path_in_file, "values", named_value.name), subject.path_in_file
+            ),
             description=f"value {in_hex(named_value.value)} of {subject.description}",
         )
         yield value_subject.existence_fact(FactClass.VALUE, "named")
@@ -167,7 +169,7 @@ def word_bits(owner: FactSubject, layout: Layout, register: Register | None = No
             word_case = _word_case(owner, layout.place(parameters), parameters, register)
             word_case_by_values[deciding_values] = word_case
         word_cases[case] = word_case_by_values[deciding_values]
-    return WordBits(description=owner.description, place=owner.place, cases=word_cases)
+    return WordBits(description=owner.description, path_in_file=owner.path_in_file, cases=word_cases)
 
 
 def _word_case(
@@ -177,27 +179,31 @@ def _word_case(
 
     The bits begin with bit 0. Bits that belong to no field are "unspecified".
     """
-    unspecified_bit = BitMeaning(part="unspecified", weight=None, fixed=None, place=(*owner.place, "other_bits"))
+    unspecified_bit = BitMeaning(
+        part="unspecified", weight=None, fixed=None, path_in_file=(*owner.path_in_file, "other_bits")
+    )
     bits_by_number = [unspecified_bit] * placed_layout.bits
     properties_by_low_and_width = {}
     name_facts = ComparedFacts()
     for placed_field in placed_layout.fields:
-        place = owner.reading.field_place(owner.place, placed_field.field)
+        path_in_file = owner.reading.field_path(owner.path_in_file, placed_field.field)
         description = f"{bits(placed_field.high, placed_field.low)} of {owner.description}"
-        bits_of_field = list(_yield_bits(placed_field, placed_layout, place))
+        bits_of_field = list(_bit_meanings(placed_field, placed_layout, path_in_file))
         if placed_field.field.byte_order:
             # The bits are compared as they are sent, in the byte order of the frame.
             bytes_of_field = [bits_of_field[low : low + 8] for low in range(0, placed_field.width, 8)]
             bits_of_field = list(chain.from_iterable(reversed(bytes_of_field)))
         bits_by_number[placed_field.low : placed_field.high + 1] = bits_of_field
-        subject = FactSubject(owner.reading, key=(), place=place, description=description, interface=owner.interface)
+        subject = FactSubject(
+            owner.reading, key=(), path_in_file=path_in_file, description=description, interface=owner.interface
+        )
         facts = properties(subject, placed_field, parameters, register)
         properties_by_low_and_width[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
-        add_names(subject, placed_field, owner.place[-1], name_facts)
+        add_names(subject, placed_field, owner.path_in_file[-1], name_facts)
     return WordCase(bits=tuple(bits_by_number), fields=properties_by_low_and_width, names=name_facts.names)
 
 
-def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[BitMeaning]:
+def _bit_meanings(placed_field: PlacedField, placed_layout: PlacedLayout, path_in_file: Path) -> Iterator[BitMeaning]:
     """Yield the meaning of each bit of a field, beginning with the lowest bit.
 
     Constants and unused bits have a fixed value. The bits of a number have weights, which continue across the fields of
@@ -205,7 +211,7 @@ def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: P
     part of a joined number.
     """
     kind = placed_field.field.kind
-    owner_text = _owner_text(kind, placed_field, placed_layout)
+    owner_text = _part_text(kind, placed_field, placed_layout)
     weight_in_join = _weight_in_join(placed_field, placed_layout)
     # In a field that is not part of a joined number, the lowest bit has the weight 0.
     lowest_weight = 0
@@ -214,16 +220,16 @@ def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: P
     for index in range(placed_field.width):
         match kind:
             case Constant(value) | Unused(value):
-                yield BitMeaning(owner_text, weight=None, fixed=(value >> index) & 1, place=place)
+                yield BitMeaning(owner_text, weight=None, fixed=(value >> index) & 1, path_in_file=path_in_file)
             case Flag() | Parity() if weight_in_join is None:
-                yield BitMeaning(owner_text, weight=None, fixed=None, place=place)
+                yield BitMeaning(owner_text, weight=None, fixed=None, path_in_file=path_in_file)
             case Text():
-                yield BitMeaning(owner_text, weight=index % 8, fixed=None, place=place)
+                yield BitMeaning(owner_text, weight=index % 8, fixed=None, path_in_file=path_in_file)
             case _:
-                yield BitMeaning(owner_text, weight=lowest_weight + index, fixed=None, place=place)
+                yield BitMeaning(owner_text, weight=lowest_weight + index, fixed=None, path_in_file=path_in_file)
 
 
-def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
+def _part_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return a text on what the bits of a field are, such as ``a signed number in Gray code`` or ``the CRC``."""
     match kind:
         case Number(signed=True):
@@ -310,35 +316,39 @@ def describe_bits(adjacent_bits: Sequence[BitMeaning]) -> str:
     return f"{bits(highest_bit.weight, lowest_bit.weight)} of {highest_bit.part}"
 
 
-def continues_item(bit: BitMeaning, above: BitMeaning) -> bool:
-    """Return whether a bit belongs to the same item as ``above``, the next higher bit.
+def continues_item(bit: BitMeaning, bit_above: BitMeaning) -> bool:
+    """Return whether a bit belongs to the same item as ``bit_above``, the next higher bit.
 
     The part and the place of the two are equal, both or neither are constant, and weights, if any, are consecutive.
     """
-    if (bit.part, bit.place) != (above.part, above.place):
+    if (bit.part, bit.path_in_file) != (bit_above.part, bit_above.path_in_file):
         return False
     is_constant = bit.fixed is not None
-    is_constant_above = above.fixed is not None
+    is_constant_above = bit_above.fixed is not None
     if is_constant != is_constant_above:
         return False
-    return bit.weight is None or above.weight is None or bit.weight + 1 == above.weight
+    return bit.weight is None or bit_above.weight is None or bit.weight + 1 == bit_above.weight
 
 
 def add_registers(reading: SpecReading, facts: ComparedFacts) -> None:
     """Add the facts, the names and the bits of every register."""
     for register in reading.device.registers:
-        key, place = reading.key_of(register), ("registers", register.name)
+        key, path_in_file = reading.key_of(register), ("registers", register.name)
         subject = FactSubject(
-            reading, key=key, place=place, description=register_text(register), interface=register.interface
+            reading,
+            key=key,
+            path_in_file=path_in_file,
+            description=register_text(register),
+            interface=register.interface,
         )
         facts.add(_register_facts(subject, register))
-        _add_names(subject, register, facts)
+        _add_names_of_referred_fields(subject, register, facts)
         # The bits of a joined number follow from its fields.
         facts.derived[FactClass.POSITION] += len(register.layout.joins)
         facts.words[key] = word_bits(subject, register.layout, register)
 
 
-def _add_names(subject: FactSubject, register: Register, facts: ComparedFacts) -> None:
+def _add_names_of_referred_fields(subject: FactSubject, register: Register, facts: ComparedFacts) -> None:
     """Add the names of the fields that a register refers to: the field that its limits apply to, and the opening field.
 
     The register can only be written after the opening field has a certain value. If only a register is named there, the
@@ -349,7 +359,7 @@ def _add_names(subject: FactSubject, register: Register, facts: ComparedFacts) -
         key=subject.key,
         value=register.limits_of,
         description=f"field that the limits of {subject.description} apply to",
-        place=(*subject.place, "limits_of"),
+        path_in_file=(*subject.path_in_file, "limits_of"),
     )
     facts.add_name(("bounded",), name_of_limited_field)
     if register.opened_by:
@@ -358,7 +368,7 @@ def _add_names(subject: FactSubject, register: Register, facts: ComparedFacts) -
             key=subject.key,
             value=register.opened_by_field or NOTHING,
             description=f"field that opens {subject.description}",
-            place=(*subject.place, "opened_by"),
+            path_in_file=(*subject.path_in_file, "opened_by"),
         )
         facts.add_name(("opener",), name_of_opening_field)
 
@@ -374,8 +384,10 @@ def _register_facts(subject: FactSubject, register: Register) -> Iterator[Compar
     if default is not None:
         # If the spec does not state the default, it follows from the documented values of the fields.
         stated_at = "fields" if register.default is None else "default"
-        place = (*subject.place, stated_at)
-        yield subject.detail_fact(FactClass.DEFAULT, name="default", value=in_hex(default), noun="default", place=place)
+        path_in_file = (*subject.path_in_file, stated_at)
+        yield subject.detail_fact(
+            FactClass.DEFAULT, name="default", value=in_hex(default), noun="default", path_in_file=path_in_file
+        )
     if register.opened_by:
         yield subject.detail_fact(
             FactClass.BEHAVIOUR, name="opened_by", value=_opener_text(subject.reading, register), noun="opener"
@@ -388,17 +400,17 @@ def _opener_text(reading: SpecReading, register: Register) -> str:
 
     If the spec does not give a value, the text is only the register that must be written: ``register 0x49``.
     """
-    opener = reading.register(register.opened_by)
-    if opener is None:
+    opening_register = reading.register(register.opened_by)
+    if opening_register is None:
         return register.opened_by
-    for field in opener.layout.fields:
+    for field in opening_register.layout.fields:
         if register.opened_by_field and field.name != register.opened_by_field:
             continue
         for named_value in field.values:
             if named_value.name == register.opened_by_value:
-                bits_text = reading.bits_of(opener.interface, field)
-                return f"{in_hex(named_value.value)} in {register_text(opener)} {bits_text}"
-    return register_text(opener)
+                bits_text = reading.bits_of(opening_register.interface, field)
+                return f"{in_hex(named_value.value)} in {register_text(opening_register)} {bits_text}"
+    return register_text(opening_register)
 
 
 def _limit_facts(subject: FactSubject, register: Register) -> Iterator[ComparedFact]:
@@ -415,13 +427,15 @@ def _limit_facts(subject: FactSubject, register: Register) -> Iterator[ComparedF
             key=(*subject.key, "bounded"),
             value={case: _limited_bits_text(register, parameters) for case, parameters in cases.items()},
             description=f"bits that the limits of {subject.description} apply to",
-            place=reading.first_existing((*subject.place, "limits_of"), subject.place),
+            path_in_file=reading.first_existing((*subject.path_in_file, "limits_of"), subject.path_in_file),
             depends_on=subject.key,
         )
     for meaning in register.meanings:
         # The condition contains no names, so it can also be the key of the meaning.
         description = f"{subject.description} while {reading.state(meaning.when, meaning.value)}"
-        meaning_subject = subject.inside(key=(description,), place=("meanings", meaning.name), description=description)
+        meaning_subject = subject.inside(
+            key=(description,), path_in_file=("meanings", meaning.name), description=description
+        )
         yield from meaning_subject.stated_facts(meaning)
 
 

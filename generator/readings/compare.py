@@ -24,42 +24,42 @@ from .stated import NUMBERS, dotted_path
 _TEXT_CLASSES = frozenset((FactClass.TEXT, FactClass.SECTION))
 
 
-def compare(spec: ComparedFacts, second: ComparedFacts) -> Comparison:
+def compare(spec_reading: ComparedFacts, second_reading: ComparedFacts) -> Comparison:
     """Compare the facts of a spec with a second, independent reading of the same manual.
 
     Facts with the same key are compared, and frames and registers are compared bit by bit. Facts that the second
     reading only gives by their path, and facts that no manual prints, are counted separately at the end.
     """
-    spec = with_row_numbers_of(with_connector_numbers_of(spec, second), second)
-    comparison = Comparison(has_names_of_spec=use_same_names(spec, second))
-    place_in_spec = partial(_nearest_place, comparison, spec, second)
+    spec_reading = with_row_numbers_of(with_connector_numbers_of(spec_reading, second_reading), second_reading)
+    comparison = Comparison(has_names_of_spec=use_same_names(spec_reading, second_reading))
+    find_path_in_spec = partial(_nearest_path, comparison, spec_reading, second_reading)
     # A fact that the second reading gives by its path gets the key of the fact in the spec.
-    second_facts = second.facts | dict(_facts_by_path(spec, second))
+    second_fact_by_key = second_reading.facts | dict(_facts_by_path(spec_reading, second_reading))
     disagreements = chain(
-        compare_facts(comparison, spec.facts, second_facts, place_in_spec),
-        _compare_order_codes(spec, second),
-        compare_names(comparison, spec.names, second.names),
+        compare_facts(comparison, spec_reading.facts, second_fact_by_key, find_path_in_spec),
+        _compare_order_codes(spec_reading, second_reading),
+        compare_names(comparison, spec_reading.names, second_reading.names),
     )
     for disagreement in disagreements:
         comparison.add_disagreement(disagreement)
-    for key, spec_word in spec.words.items():
+    for key, spec_word in spec_reading.words.items():
         # If the byte orders differ, all bits differ too, so only the byte orders are reported.
-        if not _have_different_byte_orders(key, spec, second):
-            compare_word(comparison, spec_word, second.words.get(key))
-    _count_undecided(comparison, spec, second)
+        if not _have_different_byte_orders(key, spec_reading, second_reading):
+            compare_word(comparison, spec_word, second_reading.words.get(key))
+    _correct_read_counts(comparison, spec_reading, second_reading)
     return comparison
 
 
-def _have_different_byte_orders(word_key: FactKey, spec: ComparedFacts, second: ComparedFacts) -> bool:
+def _have_different_byte_orders(word_key: FactKey, spec_reading: ComparedFacts, second_reading: ComparedFacts) -> bool:
     """Return whether both readings state the byte order of a frame or register, and they differ."""
     order_key = (*word_key, "order")
-    if order_key not in spec.facts or order_key not in second.facts:
+    if order_key not in spec_reading.facts or order_key not in second_reading.facts:
         return False
-    return str(spec.facts[order_key].value) != str(second.facts[order_key].value)
+    return str(spec_reading.facts[order_key].value) != str(second_reading.facts[order_key].value)
 
 
-def _nearest_place(
-    comparison: Comparison, spec: ComparedFacts, second: ComparedFacts, second_fact: ComparedFact
+def _nearest_path(
+    comparison: Comparison, spec_reading: ComparedFacts, second_reading: ComparedFacts, second_fact: ComparedFact
 ) -> Path | None:
     """Return the place where the spec should state a fact that only the second reading has, or None if it need not.
 
@@ -74,81 +74,90 @@ def _nearest_place(
     if second_fact.may_be_missing and not is_needed_name:
         return None
     if second_fact.depends_on:
-        subject_fact = spec.facts.get(second_fact.depends_on)
-        return subject_fact.place if subject_fact is not None else None
+        subject_fact = spec_reading.facts.get(second_fact.depends_on)
+        return subject_fact.path_in_file if subject_fact is not None else None
     unmatched_facts: list[ComparedFact] = []
-    for spec_key, spec_fact in spec.facts.items():
+    for spec_key, spec_fact in spec_reading.facts.items():
         is_of_same_kind = spec_key[:2] == second_fact.key[:2] and spec_fact.fact_class is second_fact.fact_class
-        if is_of_same_kind and not spec_fact.depends_on and spec_fact.key not in second.facts:
+        if is_of_same_kind and not spec_fact.depends_on and spec_fact.key not in second_reading.facts:
             unmatched_facts.append(spec_fact)
     if len(unmatched_facts) == 1:
-        return unmatched_facts[0].place
-    return _nearest_container(second_fact.place)
+        return unmatched_facts[0].path_in_file
+    return _nearest_container(second_fact.path_in_file)
 
 
-def _nearest_container(fact_place: Path) -> Path:
+def _nearest_container(fact_path: Path) -> Path:
     """Return the nearest list or map around a place that exists in every spec.
 
     In general, this is the first step of the place, such as ``("registers",)``. In interfaces and the manual, it has
     three steps, such as ``("interfaces", "ssi", "layouts")``, or two if the place has no third step or it is an index.
     """
-    if fact_place[0] not in ("interfaces", "manual"):
-        return fact_place[:1]
-    third_steps = fact_place[2:3]  # Empty if the place has only two steps.
+    if fact_path[0] not in ("interfaces", "manual"):
+        return fact_path[:1]
+    third_steps = fact_path[2:3]  # Empty if the place has only two steps.
     is_third_step_a_name = any(isinstance(step, str) for step in third_steps)
-    return fact_place[:3] if is_third_step_a_name else fact_place[:2]
+    return fact_path[:3] if is_third_step_a_name else fact_path[:2]
 
 
-def _facts_by_path(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[FactKey, ComparedFact]]:
+def _facts_by_path(
+    spec_reading: ComparedFacts, second_reading: ComparedFacts
+) -> Iterator[tuple[FactKey, ComparedFact]]:
     """Yield the facts that the second reading gives by their paths: numbers in texts, and sections in citations.
 
     Each is a copy of the fact in the spec, with the value and the place from the second reading. If the spec does not
     have the path, a separate fact is yielded.
     """
-    text_facts = [fact for fact in spec.facts.values() if fact.fact_class in _TEXT_CLASSES]
-    spec_fact_by_path = {dotted_path(fact.place): fact for fact in text_facts}
-    for path, printed_numbers in second.printed_numbers.items():
+    text_facts = [fact for fact in spec_reading.facts.values() if fact.fact_class in _TEXT_CLASSES]
+    spec_fact_by_path = {dotted_path(fact.path_in_file): fact for fact in text_facts}
+    for path, printed_numbers in second_reading.printed_numbers.items():
         spec_fact = spec_fact_by_path.get(path)
         if spec_fact is None:
             spec_fact = ComparedFact(
-                fact_class=FactClass.TEXT, key=(NUMBERS, path), value="", description=f"numbers in {path}", place=()
+                fact_class=FactClass.TEXT,
+                key=(NUMBERS, path),
+                value="",
+                description=f"numbers in {path}",
+                path_in_file=(),
             )
-        yield spec_fact.key, replace(spec_fact, value=printed_numbers.text, place=printed_numbers.place)
-    for key, spec_fact in spec.facts.items():
-        if spec_fact.fact_class is FactClass.SECTION and dotted_path(spec_fact.place) not in second.printed_numbers:
-            sections = _sections_at(spec_fact.place, second)
+        yield spec_fact.key, replace(spec_fact, value=printed_numbers.text, path_in_file=printed_numbers.path_in_file)
+    for key, spec_fact in spec_reading.facts.items():
+        if (
+            spec_fact.fact_class is FactClass.SECTION
+            and dotted_path(spec_fact.path_in_file) not in second_reading.printed_numbers
+        ):
+            sections = _sections_at(spec_fact.path_in_file, second_reading)
             if sections:
-                second_place = ("sections", sections[0])
-                yield key, replace(spec_fact, value=", ".join(sorted(sections)), place=second_place)
+                path_in_second = ("sections", sections[0])
+                yield key, replace(spec_fact, value=", ".join(sorted(sections)), path_in_file=path_in_second)
 
 
-def _sections_at(fact_place: Path, second: ComparedFacts) -> Sequence[str]:
+def _sections_at(fact_path: Path, second_reading: ComparedFacts) -> Sequence[str]:
     """Return the sections that the second reading cites for a place, or else for the nearest place around it."""
-    for length in range(len(fact_place), 0, -1):
-        path = dotted_path(fact_place[:length])
-        if path in second.sections:
-            return second.sections[path]
+    for length in range(len(fact_path), 0, -1):
+        path = dotted_path(fact_path[:length])
+        if path in second_reading.sections:
+            return second_reading.sections[path]
     return ()
 
 
-def _count_undecided(comparison: Comparison, spec: ComparedFacts, second: ComparedFacts) -> None:
+def _correct_read_counts(comparison: Comparison, spec_reading: ComparedFacts, second_reading: ComparedFacts) -> None:
     """Correct the counts of facts that so far count as read twice, although little was compared.
 
     A text or citation that the second reading only gives by its path counts as read once. So does a characteristic
     without numbers, of which only the name was compared. Facts that no manual prints count as decided by the reader.
     """
-    for (fact_class, place), read in comparison.read_by_place.items():
+    for (fact_class, path_in_file), read in comparison.how_often_read_by_fact.items():
         if read is not HowOftenRead.TWICE:
             continue
-        path = dotted_path(place)
+        path = dotted_path(path_in_file)
         # This is the place of a characteristic itself, such as ("characteristics", "weight").
-        is_characteristic = fact_class is FactClass.CHARACTERISTIC and len(place) == 2
-        is_only_name = is_characteristic and (NUMBERS, *place, "value") not in spec.facts
-        is_from_path = fact_class in _TEXT_CLASSES and path in second.printed_numbers
+        is_characteristic = fact_class is FactClass.CHARACTERISTIC and len(path_in_file) == 2
+        is_only_name = is_characteristic and (NUMBERS, *path_in_file, "value") not in spec_reading.facts
+        is_from_path = fact_class in _TEXT_CLASSES and path in second_reading.printed_numbers
         if is_only_name or is_from_path:
-            comparison.read_by_place[fact_class, place] = HowOftenRead.ONCE
-        elif fact_class not in _TEXT_CLASSES and _is_decided(fact_class, path, second.decided):
-            comparison.read_by_place[fact_class, place] = HowOftenRead.DECIDED
+            comparison.how_often_read_by_fact[fact_class, path_in_file] = HowOftenRead.ONCE
+        elif fact_class not in _TEXT_CLASSES and _is_decided(fact_class, path, second_reading.decided):
+            comparison.how_often_read_by_fact[fact_class, path_in_file] = HowOftenRead.DECIDED
 
 
 def _is_decided(fact_class: FactClass, path: str, decided: Sequence[str]) -> bool:
@@ -162,12 +171,12 @@ def _is_decided(fact_class: FactClass, path: str, decided: Sequence[str]) -> boo
     return any(f"{path}.".startswith(f"{decided_path}.") for decided_path in decided)
 
 
-def _compare_order_codes(spec: ComparedFacts, second: ComparedFacts) -> Iterator[Disagreement]:
+def _compare_order_codes(spec_reading: ComparedFacts, second_reading: ComparedFacts) -> Iterator[Disagreement]:
     """Yield one disagreement for all order codes that only the spec has, and one for those only in the second reading.
 
     Each names the first code and the number of the others. If a reading has no order codes at all, nothing is yielded.
     """
-    spec_codes, second_codes = _order_codes_of(spec), _order_codes_of(second)
+    spec_codes, second_codes = _order_codes_of(spec_reading), _order_codes_of(second_reading)
     if not spec_codes or not second_codes:
         return
     only_in_spec = [fact for key, fact in spec_codes.items() if key not in second_codes]
@@ -178,21 +187,21 @@ def _compare_order_codes(spec: ComparedFacts, second: ComparedFacts) -> Iterator
             description=_describe_with_count(only_in_spec),
             spec_value=value_text(first_fact.value),
             second_value=NOTHING,
-            spec_place=first_fact.place,
-            second_place=_first_place(second_codes),
+            path_in_spec=first_fact.path_in_file,
+            path_in_second=_first_path(second_codes),
         )
     only_in_second = [fact for key, fact in second_codes.items() if key not in spec_codes]
     if only_in_second:
         described_fact = replace(only_in_second[0], description=_describe_with_count(only_in_second))
-        yield missing_in_spec(described_fact, _first_place(spec_codes))
+        yield missing_in_spec(described_fact, _first_path(spec_codes))
 
 
 def _order_codes_of(facts: ComparedFacts) -> dict[FactKey, ComparedFact]:
     return {key: fact for key, fact in facts.facts.items() if key[0] == "code"}
 
 
-def _first_place(facts: dict[FactKey, ComparedFact]) -> Path:
-    return next(iter(facts.values())).place
+def _first_path(facts: dict[FactKey, ComparedFact]) -> Path:
+    return next(iter(facts.values())).path_in_file
 
 
 def _describe_with_count(facts: Sequence[ComparedFact]) -> str:
@@ -209,13 +218,13 @@ def _describe_with_count(facts: Sequence[ComparedFact]) -> str:
 _SHARE_OF_EQUAL_NAMES = 0.9
 
 
-def use_same_names(spec: ComparedFacts, second: ComparedFacts) -> bool:
+def use_same_names(spec_reading: ComparedFacts, second_reading: ComparedFacts) -> bool:
     """Return whether the second reading uses the names of the spec, so that any different name is a mistake.
 
     This is assumed if at least 90 % of the names of common items are equal.
     """
     compared_count, equal_count = 0, 0
-    for spec_names, second_names in _name_maps_of_both(spec, second):
+    for spec_names, second_names in _name_maps_of_both(spec_reading, second_reading):
         for key in spec_names.keys() & second_names.keys():
             compared_count += 1
             if spec_names[key].value == second_names[key].value:
@@ -223,14 +232,16 @@ def use_same_names(spec: ComparedFacts, second: ComparedFacts) -> bool:
     return equal_count >= _SHARE_OF_EQUAL_NAMES * compared_count
 
 
-def _name_maps_of_both(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[FactNames, FactNames]]:
+def _name_maps_of_both(
+    spec_reading: ComparedFacts, second_reading: ComparedFacts
+) -> Iterator[tuple[FactNames, FactNames]]:
     """Yield the names of each kind of item in both readings, by key.
 
     Names of fields are taken from the first case of a frame or register that both readings have.
     """
-    yield from _names_by_kind(spec.names, second.names)
-    for key in spec.words.keys() & second.words.keys():
-        spec_cases, second_cases = spec.words[key].cases, second.words[key].cases
+    yield from _names_by_kind(spec_reading.names, second_reading.names)
+    for key in spec_reading.words.keys() & second_reading.words.keys():
+        spec_cases, second_cases = spec_reading.words[key].cases, second_reading.words[key].cases
         common_cases = [case for case in spec_cases if case in second_cases]
         if common_cases:
             first_case = common_cases[0]
@@ -238,10 +249,10 @@ def _name_maps_of_both(spec: ComparedFacts, second: ComparedFacts) -> Iterator[t
 
 
 def _names_by_kind(
-    spec: Mapping[FactKey, FactNames], second: Mapping[FactKey, FactNames]
+    spec_names_by_kind: Mapping[FactKey, FactNames], second_names_by_kind: Mapping[FactKey, FactNames]
 ) -> Iterator[tuple[FactNames, FactNames]]:
-    for kind in spec.keys() & second.keys():
-        yield spec[kind], second[kind]
+    for kind in spec_names_by_kind.keys() & second_names_by_kind.keys():
+        yield spec_names_by_kind[kind], second_names_by_kind[kind]
 
 
 # -- rows of tables and connectors, numbered as in the second reading
@@ -252,7 +263,7 @@ _Row = tuple[tuple[int, FactValue], ...]
 _STEPS_TO_CONNECTOR = 4
 
 
-def with_row_numbers_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
+def with_row_numbers_of(spec_reading: ComparedFacts, second_reading: ComparedFacts) -> ComparedFacts:
     """Return the facts of a spec with the rows of its tables numbered as in the second reading.
 
     Only tables whose numbers of rows differ between the readings are renumbered. Rows that only the spec has get the
@@ -260,9 +271,9 @@ def with_row_numbers_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedF
     """
     new_keys: dict[FactKey, FactKey] = {}
     # The key of a table is ("table", name), and the keys of the facts about it are longer.
-    table_keys = [key for key in spec.facts if key[0] == "table" and len(key) == 2]
+    table_keys = [key for key in spec_reading.facts if key[0] == "table" and len(key) == 2]
     for table_key in table_keys:
-        spec_rows, second_rows = _rows_of(spec, table_key), _rows_of(second, table_key)
+        spec_rows, second_rows = _rows_of(spec_reading, table_key), _rows_of(second_reading, table_key)
         if len(spec_rows) == len(second_rows) or not second_rows:
             continue
         new_numbers = _paired_numbers(spec_rows, second_rows)
@@ -270,12 +281,12 @@ def with_row_numbers_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedF
             for column, _ in row:
                 new_keys[_cell_key(table_key, number, column)] = _cell_key(table_key, new_numbers[number], column)
     if not new_keys:
-        return spec
+        return spec_reading
     facts = {}
-    for key, fact in spec.facts.items():
+    for key, fact in spec_reading.facts.items():
         new_key = new_keys.get(key, key)
         facts[new_key] = replace(fact, key=new_key)
-    return replace(spec, facts=facts)
+    return replace(spec_reading, facts=facts)
 
 
 def _cell_key(table_key: FactKey, row_number: int, column: int) -> FactKey:
@@ -320,15 +331,15 @@ def _pairs_of_row_indices(spec_rows: Sequence[_Row], second_rows: Sequence[_Row]
         yield from zip(spec_indices, second_indices, strict=False)
 
 
-def with_connector_numbers_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
+def with_connector_numbers_of(spec_reading: ComparedFacts, second_reading: ComparedFacts) -> ComparedFacts:
     """Return the facts of a spec with its connectors numbered as in the second reading.
 
     Connectors that only the spec has get the last numbers. Connectors of an interface and kind are only renumbered if
     the second reading uses the names of the spec for all of them, because readers choose names freely.
     """
     new_keys: dict[FactKey, FactKey] = {}
-    for (_, interface, kind), keys_by_name in _connector_keys(spec).items():
-        second_keys_by_name = _connector_keys(second).get(("connector", interface, kind), {})
+    for (_, interface, kind), keys_by_name in _connector_keys(spec_reading).items():
+        second_keys_by_name = _connector_keys(second_reading).get(("connector", interface, kind), {})
         are_names_of_spec = second_keys_by_name.keys() <= keys_by_name.keys()
         if not second_keys_by_name or not are_names_of_spec:
             continue
@@ -337,21 +348,21 @@ def with_connector_numbers_of(spec: ComparedFacts, second: ComparedFacts) -> Com
         for number, name in enumerate(numbered_names, 1):
             new_keys[keys_by_name[name]] = ("connector", interface, kind, number)
     if all(key == new_key for key, new_key in new_keys.items()):
-        return spec
+        return spec_reading
 
     def renumbered(key: FactKey) -> FactKey:
         connector_key, steps_inside = key[:_STEPS_TO_CONNECTOR], key[_STEPS_TO_CONNECTOR:]
         return (*new_keys.get(connector_key, connector_key), *steps_inside)
 
     facts: dict[FactKey, ComparedFact] = {}
-    for key, fact in spec.facts.items():
+    for key, fact in spec_reading.facts.items():
         facts[renumbered(key)] = replace(fact, key=renumbered(fact.key), depends_on=renumbered(fact.depends_on))
     names: dict[FactKey, dict[FactKey, ComparedFact]] = {}
-    for kind, names_of_kind in spec.names.items():
+    for kind, names_of_kind in spec_reading.names.items():
         names[kind] = {}
         for key, name_fact in names_of_kind.items():
             names[kind][renumbered(key)] = replace(name_fact, key=renumbered(name_fact.key))
-    return replace(spec, facts=facts, names=names)
+    return replace(spec_reading, facts=facts, names=names)
 
 
 def _connector_keys(facts: ComparedFacts) -> dict[tuple[Any, ...], dict[str, FactKey]]:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
-from ..changes.family_pair import match_by_key
+from ..changes.family_pair import keys_with_old_and_new
 from ..language.document import Path
 from ..say import first_of
 from ..say.names_and_evidence import bits as bits_text
@@ -40,40 +40,40 @@ def compare_facts(
     comparison: Comparison,
     spec_facts: Mapping[FactKey, ComparedFact],
     second_facts: Mapping[FactKey, ComparedFact],
-    place_in_spec: Callable[[ComparedFact], Path | None],
+    find_path_in_spec: Callable[[ComparedFact], Path | None],
 ) -> Iterator[Disagreement]:
     """Yield the disagreements between the facts of a spec and of its second reading, and count the facts of the spec.
 
     A fact that only the spec states counts as read once. A fact that only the second reading states is a disagreement,
-    also if the spec implies it. ``place_in_spec`` returns the place where the spec should state such a fact, or None if
-    it need not.
+    also if the spec implies it. ``find_path_in_spec`` returns where the spec should state such a fact, or None for a
+    fact that it need not state.
     """
-    for key, second_fact, spec_fact in match_by_key(second_facts, spec_facts):
+    for key, second_fact, spec_fact in keys_with_old_and_new(second_facts, spec_facts):
         if spec_fact is not None and not spec_fact.is_implied:
             if second_fact is not None:
                 yield from _compare_values(comparison, spec_fact, second_fact)
             elif key[0] not in CHOSEN_BY_READER:
-                comparison.count_fact(spec_fact.fact_class, spec_fact.place, HowOftenRead.ONCE)
+                comparison.count_fact(spec_fact.fact_class, spec_fact.path_in_file, HowOftenRead.ONCE)
         elif second_fact is not None and not second_fact.is_implied:
             # The spec may imply the fact, but must state it if the second reading does.
-            nearest_place = spec_fact.place if spec_fact is not None else place_in_spec(second_fact)
-            if nearest_place is not None:
-                yield missing_in_spec(second_fact, nearest_place)
+            nearest_path = spec_fact.path_in_file if spec_fact is not None else find_path_in_spec(second_fact)
+            if nearest_path is not None:
+                yield missing_in_spec(second_fact, nearest_path)
 
 
-def missing_in_spec(second_fact: ComparedFact, nearest_place: Path) -> Disagreement:
+def missing_in_spec(second_fact: ComparedFact, nearest_path: Path) -> Disagreement:
     """Return the disagreement on a fact that only the second reading has.
 
-    ``nearest_place`` is the place where the spec should state the fact.
+    ``nearest_path`` is the place where the spec should state the fact.
     """
     return Disagreement(
         fact_class=second_fact.fact_class,
         description=second_fact.description,
         spec_value=NOTHING,
         second_value=value_text(second_fact.value),
-        spec_place=(),
-        second_place=second_fact.place,
-        nearest_place=nearest_place,
+        path_in_spec=(),
+        path_in_second=second_fact.path_in_file,
+        nearest_path=nearest_path,
     )
 
 
@@ -96,7 +96,7 @@ def _compare_values(
     spec_text, second_text = value_text(spec_value), value_text(second_value)
     is_same_name = spec_fact.fact_class is FactClass.PRINTED and same_name(spec_text, second_text)
     if spec_value == second_value or is_same_name:
-        comparison.count_fact(spec_fact.fact_class, spec_fact.place, HowOftenRead.TWICE)
+        comparison.count_fact(spec_fact.fact_class, spec_fact.path_in_file, HowOftenRead.TWICE)
     else:
         yield _different_values(spec_fact, spec_text, second_fact, second_text)
 
@@ -141,7 +141,7 @@ def _compare_cases(
     missing_cases = [case for case in spec_values if case not in second_values]
     is_incomplete = any(not _has_default_value(spec_values, case) for case in missing_cases)
     how_often = HowOftenRead.ONCE if is_incomplete else HowOftenRead.TWICE
-    comparison.count_fact(spec_fact.fact_class, spec_fact.place, how_often)
+    comparison.count_fact(spec_fact.fact_class, spec_fact.path_in_file, how_often)
 
 
 def _has_default_value(values: Mapping[CodeAndState, str], case: CodeAndState) -> bool:
@@ -162,8 +162,8 @@ def _different_values(
         description=spec_fact.description,
         spec_value=spec_text,
         second_value=second_text,
-        spec_place=spec_fact.place,
-        second_place=second_fact.place,
+        path_in_spec=spec_fact.path_in_file,
+        path_in_second=second_fact.path_in_file,
         is_name=spec_fact.fact_class is FactClass.PRINTED,
         resized_frame=_frame_text(spec_fact.key) if is_length else "",
     )
@@ -212,8 +212,8 @@ def compare_names(
                 description=spec_name.description,
                 spec_value=f"'{spec_name.value}'",
                 second_value=f"'{second_name.value}'",
-                spec_place=spec_name.place,
-                second_place=second_name.place,
+                path_in_spec=spec_name.path_in_file,
+                path_in_second=second_name.path_in_file,
                 is_name=True,
             )
 
@@ -259,10 +259,10 @@ def _second_cases(spec_word: WordBits, second_word: WordBits | None) -> Mapping[
 def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
     """Count all facts about a word as read once, because only the spec has this case."""
     for bit in spec_case.bits:
-        comparison.count_fact(FactClass.POSITION, bit.place, HowOftenRead.ONCE)
+        comparison.count_fact(FactClass.POSITION, bit.path_in_file, HowOftenRead.ONCE)
     for properties in spec_case.fields.values():
         for fact in properties.values():
-            comparison.count_fact(fact.fact_class, fact.place, HowOftenRead.ONCE)
+            comparison.count_fact(fact.fact_class, fact.path_in_file, HowOftenRead.ONCE)
 
 
 def _disagreements_with_cases(
@@ -273,16 +273,18 @@ def _disagreements_with_cases(
     Disagreements in two cases are the same if their places, classes and numbers are equal.
     """
     # Most cases share one word, so each pair of words is compared once.
-    disagreements_by_pair: dict[tuple[int, int], list[Disagreement]] = {}
+    disagreements_by_word_pair: dict[tuple[int, int], list[Disagreement]] = {}
     disagreement_and_cases: dict[_DisagreementKey, tuple[Disagreement, list[CodeAndState]]] = {}
     for case, spec_case in spec_word.cases.items():
         second_case = second_cases.get(case)
         if second_case is None:
             continue
-        pair = id(spec_case), id(second_case)
-        if pair not in disagreements_by_pair:
-            disagreements_by_pair[pair] = list(_compare_in_case(comparison, spec_word, spec_case, second_case))
-        for key, disagreement in _with_keys(disagreements_by_pair[pair]):
+        word_pair = id(spec_case), id(second_case)
+        if word_pair not in disagreements_by_word_pair:
+            disagreements_by_word_pair[word_pair] = list(
+                _compare_in_case(comparison, spec_word, spec_case, second_case)
+            )
+        for key, disagreement in _with_keys(disagreements_by_word_pair[word_pair]):
             _, cases = disagreement_and_cases.setdefault(key, (disagreement, []))
             cases.append(case)
     return disagreement_and_cases.values()
@@ -295,7 +297,7 @@ def _with_keys(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_Disagre
     """
     counts_so_far: Counter[tuple[Path, Path, FactClass]] = Counter()
     for disagreement in disagreements:
-        places_and_class = disagreement.spec_place, disagreement.second_place, disagreement.fact_class
+        places_and_class = disagreement.path_in_spec, disagreement.path_in_second, disagreement.fact_class
         counts_so_far[places_and_class] += 1
         yield (*places_and_class, counts_so_far[places_and_class]), disagreement
 
@@ -312,17 +314,17 @@ def _compare_in_case(
     yield from _compare_bits(comparison, spec_word, spec_case.bits, second_case.bits)
     for low_and_width, spec_properties in spec_case.fields.items():
         # The properties of a field are stated in it or near it, so the place of the first one represents the field.
-        property_places = [fact.place for fact in spec_properties.values()]
-        field_place = property_places[0] if property_places else spec_word.place
+        property_paths = [fact.path_in_file for fact in spec_properties.values()]
+        field_path = property_paths[0] if property_paths else spec_word.path_in_file
         second_properties = second_case.fields.get(low_and_width, {})
-        place_in_spec = partial(_place_unless_optional, field_place)
-        yield from compare_facts(comparison, spec_properties, second_properties, place_in_spec)
+        find_path_in_spec = partial(_place_unless_optional, field_path)
+        yield from compare_facts(comparison, spec_properties, second_properties, find_path_in_spec)
     yield from compare_names(comparison, spec_case.names, second_case.names)
 
 
-def _place_unless_optional(field_place: Path, second_fact: ComparedFact) -> Path | None:
+def _place_unless_optional(field_path: Path, second_fact: ComparedFact) -> Path | None:
     """Return the place of a field if the spec must state a fact about it that the second reading states, or None."""
-    return None if second_fact.may_be_missing else field_place
+    return None if second_fact.may_be_missing else field_path
 
 
 def _compare_bits(
@@ -338,12 +340,12 @@ def _compare_bits(
             description=f"{bits_text(high, low)} of {spec_word.description}",
             spec_value=describe_bits(spec_range),
             second_value=describe_bits(second_range),
-            spec_place=spec_range[0].place,
-            second_place=second_range[0].place,
+            path_in_spec=spec_range[0].path_in_file,
+            path_in_second=second_range[0].path_in_file,
         )
     for spec_bit, second_bit in zip(spec_bits, second_bits, strict=True):
         if _have_same_meaning(spec_bit, second_bit):
-            comparison.count_fact(FactClass.POSITION, spec_bit.place, HowOftenRead.TWICE)
+            comparison.count_fact(FactClass.POSITION, spec_bit.path_in_file, HowOftenRead.TWICE)
 
 
 def _have_same_meaning(bit: BitMeaning, other_bit: BitMeaning) -> bool:
@@ -374,16 +376,16 @@ def _different_ranges(spec_bits: tuple[BitMeaning, ...], second_bits: tuple[BitM
 
 
 def mistaken_pairs(
-    spec_names: FactNames, second_names: FactNames, *, must_be_equal: bool
+    spec_name_by_key: FactNames, second_name_by_key: FactNames, *, must_be_equal: bool
 ) -> Iterator[tuple[ComparedFact, ComparedFact]]:
     """Yield the names of an item in the spec and in the second reading, if they differ and one must be a mistake.
 
     One must be a mistake if the second reader uses the name in the spec for a different item, if the two names differ
     in one letter, or if all names ``must_be_equal``.
     """
-    all_second_names = {second_name.value for second_name in second_names.values()}
-    for key, spec_name in spec_names.items():
-        second_name = second_names.get(key)
+    all_second_names = {second_name.value for second_name in second_name_by_key.values()}
+    for key, spec_name in spec_name_by_key.items():
+        second_name = second_name_by_key.get(key)
         if second_name is None or second_name.value == spec_name.value:
             continue
         is_used_for_other_item = spec_name.value in all_second_names

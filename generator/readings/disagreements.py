@@ -27,7 +27,7 @@ class HowOftenRead(IntEnum):
 class Disagreement:
     """A fact with different values in the spec and in the second reading.
 
-    A place is empty if a reading does not state the fact. ``nearest_place`` is then the place in the spec where it
+    A place is empty if a reading does not state the fact. ``nearest_path`` is then the place in the spec where it
     should be. ``is_name`` is set if the values are names of the same item, and ``resized_frame`` contains the words for
     a frame whose length differs. ``order_codes`` contains the codes with different values, or none if all codes have
     them.
@@ -37,17 +37,17 @@ class Disagreement:
     description: str
     spec_value: str
     second_value: str
-    spec_place: Path
-    second_place: Path
-    nearest_place: Path = ()
+    path_in_spec: Path
+    path_in_second: Path
+    nearest_path: Path = ()
     is_name: bool = False
     resized_frame: str = ""
     order_codes: frozenset[str] = frozenset()
 
     @property
-    def spec_place_or_nearest(self) -> Path:
+    def path_in_spec_or_nearest(self) -> Path:
         """The place in the spec, or the place where the spec would state the fact."""
-        return self.spec_place or self.nearest_place
+        return self.path_in_spec or self.nearest_path
 
 
 @dataclass(slots=True)
@@ -58,19 +58,19 @@ class Comparison:
     the spec.
     """
 
-    read_by_place: dict[tuple[FactClass, Path], HowOftenRead] = field(default_factory=dict)
+    how_often_read_by_fact: dict[tuple[FactClass, Path], HowOftenRead] = field(default_factory=dict)
     disagreements: list[Disagreement] = field(default_factory=list)
     has_names_of_spec: bool = False
 
-    def count_fact(self, fact_class: FactClass, spec_place: Path, read: HowOftenRead) -> None:
+    def count_fact(self, fact_class: FactClass, path_in_spec: Path, read: HowOftenRead) -> None:
         """Remember how often a fact of the spec was read. If several facts have this place, the worst count remains."""
-        key = fact_class, spec_place
-        self.read_by_place[key] = max(read, self.read_by_place.get(key, HowOftenRead.TWICE))
+        key = fact_class, path_in_spec
+        self.how_often_read_by_fact[key] = max(read, self.how_often_read_by_fact.get(key, HowOftenRead.TWICE))
 
     def add_disagreement(self, disagreement: Disagreement) -> None:
         """Add a disagreement once, and count its fact as read differently if the spec has it."""
-        if disagreement.spec_place:
-            self.count_fact(disagreement.fact_class, disagreement.spec_place, HowOftenRead.DIFFERENTLY)
+        if disagreement.path_in_spec:
+            self.count_fact(disagreement.fact_class, disagreement.path_in_spec, HowOftenRead.DIFFERENTLY)
         if disagreement not in self.disagreements:
             self.disagreements.append(disagreement)
 
@@ -120,7 +120,7 @@ class _ChangedNumbers(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Related:
+class DisagreementsWithOneCause:
     """A disagreement, and other disagreements that have the same cause."""
 
     first_disagreement: Disagreement
@@ -132,7 +132,7 @@ class Related:
         return self.first_disagreement.fact_class in _CLASSES_IN_WORDS and self.first_disagreement.spec_value == NOTHING
 
 
-def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
+def group_by_cause(disagreements: Sequence[Disagreement]) -> list[DisagreementsWithOneCause]:
     """Return the disagreements in groups with the same cause.
 
     A disagreement joins the group of a cause that is already known and explains it. Otherwise, its own cause is a new
@@ -146,23 +146,28 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
     reported_disagreements.sort(key=_sort_key)
     disagreements_by_cause: dict[object, list[Disagreement]] = {}
     for index, disagreement in enumerate(reported_disagreements):
-        known_causes = disagreements_by_cause.keys()
-        cause = (
-            _known_renaming_of_entry(disagreement, known_causes)
-            or _known_renaming_of_place(disagreement, known_causes)
-            or _known_change_of_time(disagreement, known_causes)
-            or _exchanged_bits(disagreement, reported_disagreements)
-            or _changed_parameters(disagreement, reported_disagreements)
-            or _register_that_only_second_has(disagreement, reported_disagreements)
-            or _known_own_cause(disagreement, known_causes)
-            or _number_that_texts_lack(disagreement, reported_disagreements)
-            or _own_cause(disagreement)
-            # A unique number, so that the disagreement is not grouped.
-            or index
-        )
-        disagreements_by_cause.setdefault(cause, []).append(disagreement)
+        cause = _find_cause(disagreement, reported_disagreements, known_causes=disagreements_by_cause.keys())
+        # The index is a unique key, so that a disagreement without a cause is not grouped.
+        disagreements_by_cause.setdefault(cause or index, []).append(disagreement)
     groups = disagreements_by_cause.values()
-    return [Related(first_disagreement=group[0], others=tuple(group[1:])) for group in groups]
+    return [DisagreementsWithOneCause(first_disagreement=group[0], others=tuple(group[1:])) for group in groups]
+
+
+def _find_cause(
+    disagreement: Disagreement, all_disagreements: Sequence[Disagreement], known_causes: Collection[object]
+) -> object:
+    """Return the first cause that explains a disagreement: a known one, one shared with others, or its own, or None."""
+    return (
+        _known_renaming_of_entry(disagreement, known_causes)
+        or _known_renaming_of_owner(disagreement, known_causes)
+        or _known_change_of_time(disagreement, known_causes)
+        or _exchanged_bits(disagreement, all_disagreements)
+        or _changed_parameters(disagreement, all_disagreements)
+        or _register_that_only_second_has(disagreement, all_disagreements)
+        or _known_own_cause(disagreement, known_causes)
+        or _number_that_texts_lack(disagreement, all_disagreements)
+        or _own_cause(disagreement)
+    )
 
 
 def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool, bool]:
@@ -171,7 +176,7 @@ def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool, bool]
     Names come first, then printed names. Numbers in texts, unlisted values of order codes, and times that are not in
     the spec come last.
     """
-    is_open_value = disagreement.second_place[-1:] == ("open",)
+    is_open_value = disagreement.path_in_second[-1:] == ("open",)
     is_time_without_spec = disagreement.fact_class is FactClass.TIME and disagreement.spec_value == NOTHING
     return (
         not disagreement.is_name,
@@ -226,9 +231,9 @@ def _own_cause(disagreement: Disagreement) -> object:
         edition = _EDITION_OF_HISTORY.search(disagreement.description)
         return edition[0] if edition is not None else None
     # The place of a whole table is ("tables", name), and the place of a row is longer.
-    is_whole_table = len(disagreement.spec_place) == 2
+    is_whole_table = len(disagreement.path_in_spec) == 2
     if disagreement.fact_class is FactClass.TABLE and (is_whole_table or disagreement.spec_value == NOTHING):
-        _, table_name, *_ = disagreement.second_place
+        _, table_name, *_ = disagreement.path_in_second
         return "rows of a table", table_name
     return _changed_values(disagreement)
 
@@ -257,23 +262,23 @@ def _exchanged_bits(disagreement: Disagreement, all_disagreements: Sequence[Disa
     """
     if not _BITS.search(disagreement.description):
         return None
-    owner_place = _register_or_frame_of(disagreement)
+    owner_path = _register_or_frame_of(disagreement)
     disagreements_on_bits: list[Disagreement] = []
     for other_disagreement in all_disagreements:
         # Only the description of the bits themselves begins with them.
         is_about_bits = _BITS.match(other_disagreement.description) is not None
-        if is_about_bits and _register_or_frame_of(other_disagreement) == owner_place:
+        if is_about_bits and _register_or_frame_of(other_disagreement) == owner_path:
             disagreements_on_bits.append(other_disagreement)
     spec_items = sorted(on_bits.spec_value for on_bits in disagreements_on_bits)
     second_items = sorted(on_bits.second_value for on_bits in disagreements_on_bits)
     is_exchange = len(disagreements_on_bits) > 1 and spec_items == second_items
-    return ("exchanged bits", owner_place) if is_exchange else None
+    return ("exchanged bits", owner_path) if is_exchange else None
 
 
 def _register_or_frame_of(disagreement: Disagreement) -> Path:
     """Return the place of the register or frame that a disagreement is about: the steps before ``fields``."""
-    place = disagreement.spec_place or disagreement.second_place
-    return place[: place.index("fields")] if "fields" in place else ()
+    path_in_file = disagreement.path_in_spec or disagreement.path_in_second
+    return path_in_file[: path_in_file.index("fields")] if "fields" in path_in_file else ()
 
 
 def _number_that_texts_lack(disagreement: Disagreement, all_disagreements: Sequence[Disagreement]) -> object:
@@ -307,7 +312,7 @@ def _changed_parameters(disagreement: Disagreement, all_disagreements: Sequence[
     if disagreement.fact_class not in _CLASSES_FROM_PARAMETERS or not disagreement.order_codes:
         return None
     for other_disagreement in all_disagreements:
-        is_parameter = other_disagreement.spec_place[:1] == ("parameters",)
+        is_parameter = other_disagreement.path_in_spec[:1] == ("parameters",)
         if is_parameter and disagreement.order_codes <= other_disagreement.order_codes:
             return "parameters", other_disagreement.order_codes
     return None
@@ -346,20 +351,20 @@ def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[
     """
     if disagreement.fact_class is not FactClass.CONTENTS or disagreement.spec_value != NOTHING:
         return None
-    entry_name = _plain_name(str(disagreement.second_place[-1]))
+    entry_name = _plain_name(str(disagreement.path_in_second[-1]))
     for cause in known_causes:
         if isinstance(cause, _Renaming) and cause.second_name == entry_name:
             return cause
     return None
 
 
-def _known_renaming_of_place(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
+def _known_renaming_of_owner(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
     """Return a known renaming of the part that contains a citation, a text or a printed name, or None."""
     if disagreement.fact_class not in (*_CLASSES_IN_WORDS, FactClass.PRINTED):
         return None
-    names_in_place = {_plain_name(str(step)) for step in disagreement.spec_place}
+    names_in_path = {_plain_name(str(step)) for step in disagreement.path_in_spec}
     for cause in known_causes:
-        if isinstance(cause, _Renaming) and cause.spec_name in names_in_place:
+        if isinstance(cause, _Renaming) and cause.spec_name in names_in_path:
             return cause
     return None
 

@@ -53,7 +53,7 @@ def channel_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFac
         key=("channels", "order"),
         value=", ".join(f"{layout.channel}" for layout in frame.layouts),
         description="order of the data channels in a frame",
-        place=(*channels_place, "order"),
+        path_in_file=(*channels_place, "order"),
     )
     for compared in frame.compared:
         bits_by_case: dict[CodeAndState, str] = {}
@@ -70,7 +70,7 @@ def channel_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFac
             key=("channels", "compared", channel),
             value=bits_by_case,
             description=f"compared bits of data channel {channel}",
-            place=(*channels_place, "compared", compared.layout.name),
+            path_in_file=(*channels_place, "compared", compared.layout.name),
         )
 
 
@@ -96,8 +96,8 @@ def add_interfaces(reading: SpecReading, facts: ComparedFacts) -> None:
             # The bits of a joined number follow from its fields.
             facts.derived[FactClass.POSITION] += len(layout.joins)
         facts.add(_interface_facts(reading, interface))
-        timings_place: Path = ("interfaces", interface.name, "timings")
-        facts.add(timings(interface.timings, interface=interface.name, owner=timings_place))
+        timings_path: Path = ("interfaces", interface.name, "timings")
+        facts.add(timings(interface.timings, interface=interface.name, owner=timings_path))
     facts.add(timings(reading.device.timings, interface="", owner=("timings",)))
 
 
@@ -132,11 +132,11 @@ def _add_frames(
     A layout without a selector is one frame, identified by ``identity``: the constants in the request of its exchange,
     or -1 if it belongs to no exchange.
     """
-    place: Path = ("interfaces", interface.name, "layouts", layout.name)
+    path_in_file: Path = ("interfaces", interface.name, "layouts", layout.name)
     for frame_identity in layout.selects or (identity,):
         key: FactKey = ("frame", interface.name, layout.sender, layout.channel or 0, frame_identity)
         frame_subject = FactSubject(
-            reading, key=key, place=place, description=f"'{layout.name}'", interface=interface.name
+            reading, key=key, path_in_file=path_in_file, description=f"'{layout.name}'", interface=interface.name
         )
         facts.add(_frame_facts(frame_subject, layout))
         facts.words[key] = word_bits(frame_subject, layout)
@@ -153,7 +153,7 @@ def _group_name(frame: FactSubject, field: Field) -> ComparedFact:
         key=(*frame.key, bits_text),
         value=field.group,
         description=f"group of {bits_text} of {frame.description}",
-        place=frame.reading.field_place(frame.place, field),
+        path_in_file=frame.reading.field_path(frame.path_in_file, field),
     )
 
 
@@ -164,28 +164,30 @@ def _frame_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedFact]:
     """
     reading = frame.reading
     yield from frame.facts_of_part(FactClass.POSITION, layout, value=f"sent by the {layout.sender}", at="name")
-    carried_place = reading.first_existing((*frame.place, "carried_as"), frame.place)
+    carried_as_path = reading.first_existing((*frame.path_in_file, "carried_as"), frame.path_in_file)
     yield frame.detail_fact(
-        FactClass.POSITION, name="carried", value=layout.carried_as, noun="units", place=carried_place
+        FactClass.POSITION, name="carried", value=layout.carried_as, noun="units", path_in_file=carried_as_path
     )
     has_several_bytes = layout.widest > 8
-    is_stated = reading.document.has((*frame.place, "byte_order"))
+    is_stated = reading.document.has((*frame.path_in_file, "byte_order"))
     if layout.in_bytes and (has_several_bytes or is_stated):
-        order_place = (*frame.place, "byte_order") if is_stated else frame.place
+        byte_order_path = (*frame.path_in_file, "byte_order") if is_stated else frame.path_in_file
         may_be_missing = not has_several_bytes
         yield frame.detail_fact(
             FactClass.BYTE_ORDER,
             name="order",
             value=layout.byte_order,
             noun="byte order",
-            place=order_place,
+            path_in_file=byte_order_path,
             may_be_missing=may_be_missing,
         )
     # A case is an order code, with a state of the registers that change the frame.
     length_by_case: dict[CodeAndState, str] = {}
     for case, parameters in reading.cases(frame.interface).items():
         length_by_case[case] = str(layout.bits.value(parameters))
-    yield frame.detail_fact(FactClass.POSITION, name="length", value=length_by_case, noun="bits", place=frame.place)
+    yield frame.detail_fact(
+        FactClass.POSITION, name="length", value=length_by_case, noun="bits", path_in_file=frame.path_in_file
+    )
     yield from _combination_facts(frame, layout)
 
 
@@ -206,7 +208,7 @@ def _combination_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedF
         conditions = ", ".join(sorted(condition_texts))
         subject = frame.inside(
             key=("combination", conditions),
-            place=("combinations", combination.name),
+            path_in_file=("combinations", combination.name),
             description=f"the combination of {conditions} in {frame.description}",
         )
         yield subject.existence_fact(FactClass.VERDICT, value=combination.makes_position.value, at="makes_position")
@@ -225,11 +227,11 @@ def _condition_text(field: PlacedField, needed_value: int) -> str:
 
 def _interface_facts(reading: SpecReading, interface: Interface) -> Iterator[ComparedFact]:
     """Yield the facts about an interface other than its frames, such as its clock, its port and its exchanges."""
-    place: Path = ("interfaces", interface.name)
+    path_in_file: Path = ("interfaces", interface.name)
     interface_subject = FactSubject(
         reading,
         key=("interface", interface.name),
-        place=place,
+        path_in_file=path_in_file,
         description=interface.short,
         interface=interface.name,
         depends_on=(),
@@ -237,7 +239,9 @@ def _interface_facts(reading: SpecReading, interface: Interface) -> Iterator[Com
     )
     yield from interface_subject.stated_facts(interface)
     for name, joint in _JOINT_BY_PART.items():
-        subject = replace(interface_subject, key=(name, interface.name), place=(*place, name), joint=joint)
+        subject = replace(
+            interface_subject, key=(name, interface.name), path_in_file=(*path_in_file, name), joint=joint
+        )
         # No interface has all of these parts. A part may depend on the order code, as in ``clocks_by_code``.
         part = getattr(interface, name, None)
         parts_by_code = getattr(interface, f"{name}s_by_code", ())
@@ -275,7 +279,7 @@ def _cable_clocks(reading: SpecReading, interface: Ssi) -> Iterator[ComparedFact
             key=("cable", "ssi", length),
             value=_value_by_code(reading, interface.name, rows_with_texts),
             description=f"clock for a cable shorter than {length} m",
-            place=("interfaces", interface.name, "cable_lengths", index, rows[0].limit_key),
+            path_in_file=("interfaces", interface.name, "cable_lengths", index, rows[0].limit_key),
         )
 
 
@@ -307,7 +311,7 @@ def _biss_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFact]
                 key=("timeout", "at", printed.clock_hz),
                 value=_value_by_code(reading, interface.name, [row_with_text]),
                 description=f"timeout over BiSS at {printed.clock_hz} Hz",
-                place=("interfaces", interface.name, "timeout", "printed", index, "timeout_ns"),
+                path_in_file=("interfaces", interface.name, "timeout", "printed", index, "timeout_ns"),
             )
     bits_before = 0
     for control_field in interface.control_data:
@@ -320,21 +324,24 @@ def _control_field_facts(reading: SpecReading, control_field: ControlField, offs
 
     ``offset`` is the number of bits that are sent before the field.
     """
-    place: Path = ("interfaces", "biss", "control_data", "fields", control_field.name)
+    path_in_file: Path = ("interfaces", "biss", "control_data", "fields", control_field.name)
     subject = FactSubject(
-        reading, key=("control", offset), place=place, description=f"field of the control frame from bit {offset + 1}"
+        reading,
+        key=("control", offset),
+        path_in_file=path_in_file,
+        description=f"field of the control frame from bit {offset + 1}",
     )
     yield from subject.facts_of_part(FactClass.POSITION, control_field, value=f"{control_field.bits} bits")
     for named_value in control_field.values:
         description = f"value {in_hex(named_value.value)} of {subject.description}"
         value_subject = subject.inside(
-            key=("value", named_value.value), place=("values", named_value.name), description=description
+            key=("value", named_value.value), path_in_file=("values", named_value.name), description=description
         )
         yield from value_subject.facts_of_part(FactClass.VALUE, named_value, value="named")
     if control_field.crc:
         # The parameters of a CRC are in the list ``crcs`` of the spec.
-        crc_subject = subject.inside(key=("crc",), place=(), description="the control frame's CRC over BiSS")
-        crc_subject = replace(crc_subject, place=("crcs", control_field.crc))
+        crc_subject = subject.inside(key=("crc",), path_in_file=(), description="the control frame's CRC over BiSS")
+        crc_subject = replace(crc_subject, path_in_file=("crcs", control_field.crc))
         yield from crc_subject.stated_facts(reading.device.crc(control_field.crc))
 
 
@@ -345,11 +352,11 @@ def _rs485_facts(reading: SpecReading, interface: Rs485) -> Iterator[ComparedFac
     identified by the access and the busy flag, ``("memory", "read", 1)``, and has the value ``address as sent, data
     0``.
     """
-    place: Path = ("interfaces", interface.name)
+    path_in_file: Path = ("interfaces", interface.name)
     for data_id in interface.data_ids:
-        id_place = (*place, "data_ids", data_id.name)
+        id_path = (*path_in_file, "data_ids", data_id.name)
         subject = FactSubject(
-            reading, key=("data id", data_id.id), place=id_place, description=f"data ID {data_id.id:X}"
+            reading, key=("data id", data_id.id), path_in_file=id_path, description=f"data ID {data_id.id:X}"
         )
         yield from subject.facts_of_part(
             FactClass.VALUE, data_id, value=f"control field {in_hex(data_id.control)}", at="control"
@@ -360,7 +367,7 @@ def _rs485_facts(reading: SpecReading, interface: Rs485) -> Iterator[ComparedFac
             key=("memory", access.access, access.busy),
             value=f"address {comparable_text(access.address)}, data {comparable_text(access.data)}",
             description=f"reply to a {access.access} while the busy flag is {access.busy}",
-            place=(*place, "memory_access", index),
+            path_in_file=(*path_in_file, "memory_access", index),
         )
 
 
@@ -381,7 +388,7 @@ def _exchange_facts(interface: Rs485 | Spi) -> Iterator[ComparedFact]:
             key=("exchange", interface.name, constants),
             value=exchange_text,
             description=f"request with {constants or 'no constant'}",
-            place=("interfaces", interface.name, "exchanges", index),
+            path_in_file=("interfaces", interface.name, "exchanges", index),
         )
 
 
@@ -408,7 +415,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
         time_by_bound = _time_by_bound(timing)
         # Times for different order codes may have the same name, which then does not identify one of them.
         name = "" if timing.name in shared_names else timing.name
-        place = (*owner, name or index)
+        path_in_file = (*owner, name or index)
         if not timing.symbol:
             bound_words = {bound: bound.removesuffix("_us").replace("_", " ") for bound in time_by_bound}
             times_text = ", ".join(f"{bound_words[bound]} {time}" for bound, time in time_by_bound.items())
@@ -418,9 +425,9 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
                 key=key,
                 value=times_text,
                 description=f"a time{interface_text}",
-                place=place,
+                path_in_file=path_in_file,
                 name=name,
-                name_place=(*place, "name"),
+                name_path=(*path_in_file, "name"),
             )
             continue
         symbol = comparable_text(timing.symbol).replace(" ", "")
@@ -430,7 +437,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
                 key=("time", interface, symbol, bound_name),
                 value=bound_time,
                 description=f"time {timing.symbol}{interface_text}, '{bound_name}'",
-                place=(*place, bound_name),
+                path_in_file=(*path_in_file, bound_name),
                 name=name,
-                name_place=(*place, "name"),
+                name_path=(*path_in_file, "name"),
             )

@@ -34,7 +34,7 @@ def add_codes(reading: SpecReading, facts: ComparedFacts) -> None:
         key=("movement",),
         value=movement,
         description="movement",
-        place=("movement",),
+        path_in_file=("movement",),
     )
     facts.add(iter([movement_fact]))
     facts.derived[FactClass.LIMIT] += len(reading.device.definitions)
@@ -46,7 +46,7 @@ def _order_code_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     Such a part is identified by the values that the manual lists. If unlisted values are only possible with certain
     values of other parts, the text contains these values.
     """
-    place: Path = ("order_code", "parts")
+    path_in_file: Path = ("order_code", "parts")
     for variant in reading.device.variants:
         description = f"interface of the order code {variant.code}"
         yield ComparedFact(
@@ -54,7 +54,7 @@ def _order_code_facts(reading: SpecReading) -> Iterator[ComparedFact]:
             key=("code", variant.code),
             value=variant.interface,
             description=description,
-            place=place,
+            path_in_file=path_in_file,
         )
     for part in reading.device.order_code.parts:
         if not part.open:
@@ -67,7 +67,7 @@ def _order_code_facts(reading: SpecReading) -> Iterator[ComparedFact]:
             key=("open", printed_values),
             value=part.open + with_text,
             description=f"other values than {printed_values}",
-            place=(*place, part.name, "open"),
+            path_in_file=(*path_in_file, part.name, "open"),
         )
 
 
@@ -84,7 +84,7 @@ def _supply_facts(reading: SpecReading) -> Iterator[ComparedFact]:
             key=("supply",),
             value=supplies,
             description="supply",
-            place=reading.first_existing(("supply",), ("order_code", "parts")),
+            path_in_file=reading.first_existing(("supply",), ("order_code", "parts")),
         )
 
 
@@ -100,9 +100,12 @@ def _parameter_facts(reading: SpecReading) -> Iterator[ComparedFact]:
             for case, parameters in reading.cases(interface.name).items():
                 if parameter.name in parameters:
                     value_by_case[case] = count_text(parameters[parameter.name])
-        place = ("parameters", parameter.name)
+        path_in_file = ("parameters", parameter.name)
         subject = FactSubject(
-            reading, key=("parameter", parameter.name), place=place, description=f"the parameter '{parameter.name}'"
+            reading,
+            key=("parameter", parameter.name),
+            path_in_file=path_in_file,
+            description=f"the parameter '{parameter.name}'",
         )
         yield replace(subject.existence_fact(FactClass.ORDER_CODE, value_by_case), may_be_missing=True)
         yield from subject.stated_facts(parameter)
@@ -111,7 +114,7 @@ def _parameter_facts(reading: SpecReading) -> Iterator[ComparedFact]:
 def _add_alternatives(reading: SpecReading, facts: ComparedFacts) -> None:
     """Add the names of open questions and of their answers, which are identified by their numbers from 1."""
     for number, alternative in enumerate(reading.device.alternatives, 1):
-        place: Path = ("alternatives", alternative.name)
+        path_in_file: Path = ("alternatives", alternative.name)
         description = f"name of alternative {number}"
         facts.add_name(
             ("alternative",),
@@ -120,12 +123,12 @@ def _add_alternatives(reading: SpecReading, facts: ComparedFacts) -> None:
                 key=(number,),
                 value=alternative.name,
                 description=description,
-                place=(*place, "name"),
+                path_in_file=(*path_in_file, "name"),
             ),
         )
         for index, answer in enumerate(alternative.answers, 1):
             description = f"name of answer {index} of alternative {number}"
-            path = (*place, "values", answer.name)
+            path = (*path_in_file, "values", answer.name)
             facts.add_name(
                 ("answer", number),
                 ComparedFact(
@@ -133,7 +136,7 @@ def _add_alternatives(reading: SpecReading, facts: ComparedFacts) -> None:
                     key=(index,),
                     value=answer.name,
                     description=description,
-                    place=path,
+                    path_in_file=path,
                 ),
             )
 
@@ -144,7 +147,7 @@ def _spelling_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     A label is identified by its text and by the pattern of the text after it (``then``).
     """
     for index, spelling in enumerate(reading.device.order_code.also_written):
-        place: Path = ("order_code", "also_written", index)
+        path_in_file: Path = ("order_code", "also_written", index)
         for variant in reading.device.variants:
             label = _label_with_spelling(spelling, variant, reading.device.order_code.parts)
             if label is not None:
@@ -154,7 +157,7 @@ def _spelling_facts(reading: SpecReading) -> Iterator[ComparedFact]:
                     key=key,
                     value=variant.code,
                     description=f"label {label}",
-                    place=place,
+                    path_in_file=path_in_file,
                 )
 
 
@@ -190,7 +193,7 @@ def _held_parameter_facts(reading: SpecReading, parameter: Parameter) -> Iterato
                 key=("held", bits_text, bound_name),
                 value=count_text(bound),
                 description=f"{bound_name}imum held in {bits_text}",  # minimum or maximum
-                place=("parameters", parameter.name, bound_name),
+                path_in_file=("parameters", parameter.name, bound_name),
                 depends_on=reading.key_of(register) if register is not None else (),
             )
 
@@ -209,7 +212,7 @@ def _measurement_facts(reading: SpecReading, interface: Interface) -> Iterator[C
     subject = FactSubject(
         reading,
         key=("measurement", interface.name),
-        place=measurement_place,
+        path_in_file=measurement_place,
         description=f"measurement over {interface.short}",
         interface=interface.name,
         joint=" of the ",
@@ -232,7 +235,7 @@ def _measurement_facts(reading: SpecReading, interface: Interface) -> Iterator[C
                 key=position_key,
                 value=position_bits,
                 description=description,
-                place=(*measurement_place, "of"),
+                path_in_file=(*measurement_place, "of"),
                 depends_on=subject.key,
             )
 
@@ -241,8 +244,8 @@ def _range_facts(measured: FactSubject, interface: Interface, layout: Layout) ->
     """Yield the facts about the range of the position in a layout, if the layout states its own."""
     if layout.position_range is None:
         return
-    place: Path = ("interfaces", interface.name, "layouts", layout.name, "position_range")
+    path_in_file: Path = ("interfaces", interface.name, "layouts", layout.name, "position_range")
     key = (*measured.key, "range", layout.sender, *layout.selects)
     description = f"position range of '{layout.name}'"
-    subject = replace(measured, key=key, place=place, description=description, depends_on=measured.key)
+    subject = replace(measured, key=key, path_in_file=path_in_file, description=description, depends_on=measured.key)
     yield from subject.facts_of_part(FactClass.MEASUREMENT, layout.position_range)

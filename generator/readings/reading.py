@@ -88,10 +88,10 @@ FactValue = str | Mapping[CodeAndState, str]
 class ComparedFact:
     """A fact of a reading, which is compared with the fact of the other reading that has the same key.
 
-    ``description`` is its name in messages, and ``place`` is its place in the spec. ``depends_on`` is the key of the
+    ``description`` is its name in messages, and ``path_in_file`` its path of keys. ``depends_on`` is the key of the
     fact that this fact depends on, such as the register of a default. A fact ``may_be_missing`` in the other reading if
     it is a printed name in a different language, for example. ``name`` is the reader's name for the item whose first
-    fact this is, at ``name_place``. A fact that ``is_implied`` follows from another fact, but if one reader states it,
+    fact this is, at ``name_path``. A fact that ``is_implied`` follows from another fact, but if one reader states it,
     the other must too.
     """
 
@@ -99,11 +99,11 @@ class ComparedFact:
     key: FactKey
     value: FactValue
     description: str
-    place: Path
+    path_in_file: Path
     depends_on: FactKey = ()
     may_be_missing: bool = False
     name: str = ""
-    name_place: Path = ()
+    name_path: Path = ()
     is_implied: bool = False
 
 
@@ -120,7 +120,7 @@ class BitMeaning:
     part: str
     weight: int | None
     fixed: int | None
-    place: Path
+    path_in_file: Path
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -140,7 +140,7 @@ class WordBits:
     """A frame or a register, bit by bit, in each case."""
 
     description: str
-    place: Path
+    path_in_file: Path
     cases: Mapping[CodeAndState, WordCase]
 
     @property
@@ -156,7 +156,7 @@ class PrintedNumbers(NamedTuple):
     """The numbers in a text, such as ``5V 10ms``, or the sections that a source cites, with their place."""
 
     text: str
-    place: Path
+    path_in_file: Path
 
 
 @dataclasses.dataclass(slots=True)
@@ -193,7 +193,7 @@ class ComparedFacts:
         kind = key[:2] if key[0] in _BY_INTERFACE else key[:1]
         description = f"name of {fact.description}"
         name_fact = ComparedFact(
-            fact_class=fact.fact_class, key=key, value=fact.name, description=description, place=fact.name_place
+            fact_class=fact.fact_class, key=key, value=fact.name, description=description, path_in_file=fact.name_path
         )
         self.add_name(kind, name_fact)
 
@@ -306,7 +306,7 @@ class SpecReading:
                 return register
         return None
 
-    def field_place(self, owner: Path, field: Field) -> Path:
+    def field_path(self, owner: Path, field: Field) -> Path:
         """Return the place of a field in the spec.
 
         For bits that are added as zeros, this is ``other_bits``, and for any other field that the spec does not list,
@@ -314,10 +314,10 @@ class SpecReading:
         """
         if field.group:
             owner = ("field_groups", field.group)
-        own_place: Path = (*owner, "fields", field.padding_of or field.name)
-        if field.name.startswith(_PREFIX_OF_ZERO_BITS) and not self.document.has(own_place):
+        own_path: Path = (*owner, "fields", field.padding_of or field.name)
+        if field.name.startswith(_PREFIX_OF_ZERO_BITS) and not self.document.has(own_path):
             return (*owner, "other_bits")
-        return self.first_existing(own_place, owner)
+        return self.first_existing(own_path, owner)
 
     def bits_in_frames(self, interface: str, layout: Layout, field: Field) -> Iterator[str]:
         """Yield the lowest bit of a field in each frame of a layout: ``bit 3 of the encoder's frame with 0x1A``.
@@ -340,12 +340,12 @@ class SpecReading:
             names_by_language.setdefault(self.device.manual.language, []).append(comparable_text(printed_name))
         return {language: _BETWEEN_NAMES.join(names) for language, names in names_by_language.items()}
 
-    def first_existing(self, *places: Path) -> Path:
+    def first_existing(self, *possible_paths: Path) -> Path:
         """Return the first of these places that exists in the file, or the last place if none exists."""
-        for place in places:
-            if self.document.has(place):
-                return place
-        return places[-1]
+        for path_in_file in possible_paths:
+            if self.document.has(path_in_file):
+                return path_in_file
+        return possible_paths[-1]
 
     def key_of(self, register: Register) -> FactKey:
         """Return the key that identifies a register: its interface, bank and address.

@@ -19,7 +19,7 @@ from ..model import Manufacturer, TimesRead
 from ..model.record import dataclass
 from . import bits_and_registers, interfaces, order_codes, stated, surroundings
 from .compare import compare
-from .disagreements import Comparison, Disagreement, HowOftenRead, Related, group_by_cause
+from .disagreements import Comparison, Disagreement, DisagreementsWithOneCause, HowOftenRead, group_by_cause
 from .reading import NOTHING, ComparedFacts, FactClass, SpecReading
 
 
@@ -67,13 +67,15 @@ class Coverage:
 
     def _count_times_read(self, fact_class: FactClass) -> TimesRead:
         """Return how many facts of a class were read how often. Facts that were read differently are not counted."""
-        how_often_by_fact = self.outcome.read_by_place.items()
-        how_often = [read for (class_of_fact, _), read in how_often_by_fact if class_of_fact is fact_class]
+        how_often_by_fact = self.outcome.how_often_read_by_fact.items()
+        how_often_of_class = [
+            how_often_read for (class_of_fact, _), how_often_read in how_often_by_fact if class_of_fact is fact_class
+        ]
         return TimesRead(
-            twice=how_often.count(HowOftenRead.TWICE),
-            explained=how_often.count(HowOftenRead.EXPLAINED),
-            decided=how_often.count(HowOftenRead.DECIDED),
-            once=how_often.count(HowOftenRead.ONCE),
+            twice=how_often_of_class.count(HowOftenRead.TWICE),
+            explained=how_often_of_class.count(HowOftenRead.EXPLAINED),
+            decided=how_often_of_class.count(HowOftenRead.DECIDED),
+            once=how_often_of_class.count(HowOftenRead.ONCE),
             derived=self.derived.get(fact_class, 0),
         )
 
@@ -85,18 +87,20 @@ class Coverage:
     @cached_property
     def once(self) -> Sequence[tuple[FactClass, Path]]:
         """Facts that were read once, in the order of the file."""
-        facts_read_once = [fact for fact, read in self.outcome.read_by_place.items() if read is HowOftenRead.ONCE]
+        facts_read_once = [
+            fact for fact, read in self.outcome.how_often_read_by_fact.items() if read is HowOftenRead.ONCE
+        ]
         return sorted(facts_read_once, key=self._order_in_file)
 
     def _order_in_file(self, fact: tuple[FactClass, Path]) -> tuple[tuple[int, int], str]:
         """Return line, column and class of a fact, by which facts are sorted."""
-        fact_class, place = fact
-        return self.spec.position(place), fact_class.value
+        fact_class, path_in_file = fact
+        return self.spec.position(path_in_file), fact_class.value
 
     @property
     def lacking(self) -> list[tuple[FactClass, Path]]:
         """Facts that must be read twice but were read once."""
-        return [(fact_class, place) for fact_class, place in self.once if fact_class.is_needed]
+        return [(fact_class, path_in_file) for fact_class, path_in_file in self.once if fact_class.is_needed]
 
 
 def add_counts(counts: Iterable[TimesRead]) -> TimesRead:
@@ -203,28 +207,28 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Probl
     used_explanations: set[Path] = set()
     unexplained: list[Disagreement] = []
     for disagreement in outcome.disagreements:
-        matching = [explanation for explanation in explanations if explanation.explains(disagreement)]
-        if not matching:
+        matching_explanations = [explanation for explanation in explanations if explanation.explains(disagreement)]
+        if not matching_explanations:
             unexplained.append(disagreement)
             continue
-        used_explanations.update(explanation.place for explanation in matching)
+        used_explanations.update(explanation.path_in_file for explanation in matching_explanations)
         # A fact that the spec lacks is counted at its place in the second reading.
-        counted_place = disagreement.spec_place or ("second", *disagreement.second_place)
-        outcome.read_by_place[disagreement.fact_class, counted_place] = HowOftenRead.EXPLAINED
+        counted_path = disagreement.path_in_spec or ("second", *disagreement.path_in_second)
+        outcome.how_often_read_by_fact[disagreement.fact_class, counted_path] = HowOftenRead.EXPLAINED
     for disagreements in group_by_cause(unexplained):
         _report_disagreements(disagreements, spec, second, report)
     for explanation in explanations:
-        _check_explanation(explanation, spec, report, is_used=explanation.place in used_explanations)
+        _check_explanation(explanation, spec, report, is_used=explanation.path_in_file in used_explanations)
 
 
 @dataclass(frozen=True)
 class _Explanation:
     """Two values of a fact, of which an erratum explains why the two readings differ.
 
-    ``place`` is the place of the pair in the spec, and ``printed`` the erratum's text.
+    ``path_in_file`` is the place of the pair in the spec, and ``printed`` the erratum's text.
     """
 
-    place: Path
+    path_in_file: Path
     printed: str
     affected_paths: Sequence[str]
     second_value: str
@@ -233,7 +237,7 @@ class _Explanation:
     @property
     def erratum_place(self) -> Path:
         """Place of the erratum in the spec: ``("errata", 3)`` for the pair at ``("errata", 3, "readings", 0)``."""
-        return self.place[:2]
+        return self.path_in_file[:2]
 
     def explains(self, disagreement: Disagreement) -> bool:
         """Return whether a disagreement is between exactly these two values, at a place that the erratum affects.
@@ -242,7 +246,7 @@ class _Explanation:
         """
         if (self.second_value, self.spec_value) != (disagreement.second_value, disagreement.spec_value):
             return False
-        return any(touches(path, disagreement.spec_place_or_nearest) for path in self.affected_paths)
+        return any(touches(path, disagreement.path_in_spec_or_nearest) for path in self.affected_paths)
 
 
 def _explained_differences(spec: Document) -> Iterator[_Explanation]:
@@ -253,7 +257,7 @@ def _explained_differences(spec: Document) -> Iterator[_Explanation]:
     for erratum_index, erratum in enumerate(spec.data.get("errata", ())):
         for pair_index, pair in enumerate(erratum.get("readings", ())):
             yield _Explanation(
-                place=("errata", erratum_index, "readings", pair_index),
+                path_in_file=("errata", erratum_index, "readings", pair_index),
                 printed=erratum["printed"],
                 affected_paths=erratum.get("affects", ()),
                 second_value=pair["second"],
@@ -261,44 +265,46 @@ def _explained_differences(spec: Document) -> Iterator[_Explanation]:
             )
 
 
-def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: ProblemReport) -> None:
+def _report_disagreements(
+    disagreements: DisagreementsWithOneCause, spec: Document, second: Document, report: ProblemReport
+) -> None:
     """Report disagreements with one cause as one problem, for the first of them, with the lines of the others.
 
     The problem is in the spec, or in the second reading if only that has the fact.
     """
     first = disagreements.first_disagreement
-    spec_place = first.spec_place_or_nearest
+    path_in_spec = first.path_in_spec_or_nearest
     others_text = _others_text(disagreements, spec, second)
     advice = _ADVICE_ON_TEXT if disagreements.is_text_without_spec else _ADVICE_TO_CHECK
     is_only_in_second = first.spec_value == NOTHING
     if is_only_in_second:
-        both_values = f"{first.second_value} here, {first.spec_value} in {_file_and_line(spec, spec_place)}"
-        report.add(RULE, second, first.second_place, f"{first.description}: {both_values}{others_text}; {advice}")
+        both_values = f"{first.second_value} here, {first.spec_value} in {_file_and_line(spec, path_in_spec)}"
+        report.add(RULE, second, first.path_in_second, f"{first.description}: {both_values}{others_text}; {advice}")
     else:
-        both_values = f"{first.spec_value} here, {first.second_value} in {_file_and_line(second, first.second_place)}"
-        report.add(RULE, spec, spec_place, f"{first.description}: {both_values}{others_text}; {advice}")
+        both_values = f"{first.spec_value} here, {first.second_value} in {_file_and_line(second, first.path_in_second)}"
+        report.add(RULE, spec, path_in_spec, f"{first.description}: {both_values}{others_text}; {advice}")
 
 
-def _file_and_line(document: Document, place: Path) -> str:
+def _file_and_line(document: Document, path_in_file: Path) -> str:
     """Return the file of a place, with its line if the file has the place or its section: ``tv62.yaml:127``."""
     file_name = File(document.file).name
-    if not place or not document.has(place[:1]):
+    if not path_in_file or not document.has(path_in_file[:1]):
         return file_name
-    line, _ = document.position(place)
+    line, _ = document.position(path_in_file)
     return f"{file_name}:{line}"
 
 
-def _others_text(disagreements: Related, spec: Document, second: Document) -> str:
+def _others_text(disagreements: DisagreementsWithOneCause, spec: Document, second: Document) -> str:
     """Return how many other disagreements have the same cause, and where, or "" if there are none.
 
     For example ``, and 3 more with the same cause in lines 12 and 15``. Lines of the second reading come with its name:
     ``line 30 of x24.second.yaml``.
     """
     first_disagreement = disagreements.first_disagreement
-    first_places = first_disagreement.spec_place, first_disagreement.second_place
+    first_paths = first_disagreement.path_in_spec, first_disagreement.path_in_second
     # A disagreement at the same two places, such as one contact for both interfaces, is not counted again.
     other_disagreements = [
-        other for other in disagreements.others if (other.spec_place, other.second_place) != first_places
+        other for other in disagreements.others if (other.path_in_spec, other.path_in_second) != first_paths
     ]
     if not other_disagreements:
         return ""
@@ -306,17 +312,17 @@ def _others_text(disagreements: Related, spec: Document, second: Document) -> st
     second_lines: set[int] = set()
     for other in other_disagreements:
         if other.spec_value == NOTHING:
-            line, _ = second.position(other.second_place)
+            line, _ = second.position(other.path_in_second)
             second_lines.add(line)
         else:
-            line, _ = spec.position(other.spec_place_or_nearest)
+            line, _ = spec.position(other.path_in_spec_or_nearest)
             spec_lines.add(line)
-    places: list[str] = []
+    line_texts: list[str] = []
     for lines, owner in ((spec_lines, ""), (second_lines, f" of {File(second.file).name}")):
         if lines:
             noun = "line" if len(lines) == 1 else "lines"
-            places.append(f"{noun} {joined_lines([str(line) for line in sorted(lines)])}{owner}")
-    return f", and {len(other_disagreements)} more with the same cause in {', '.join(places)}"
+            line_texts.append(f"{noun} {joined_lines([str(line) for line in sorted(lines)])}{owner}")
+    return f", and {len(other_disagreements)} more with the same cause in {', '.join(line_texts)}"
 
 
 def _check_explanation(explanation: _Explanation, spec: Document, report: ProblemReport, *, is_used: bool) -> None:
@@ -328,7 +334,7 @@ def _check_explanation(explanation: _Explanation, spec: Document, report: Proble
     if not is_used:
         both_values = f"{quoted(second_value)} in the second reading and {quoted(explanation.spec_value)} here"
         message = f"no fact affected by this erratum is {both_values}; correct or remove it"
-        report.add("readings-unused", spec, explanation.place, message)
+        report.add("readings-unused", spec, explanation.path_in_file, message)
     elif _prints_other_number(explanation.printed, second_value):
         message = f"the printed text has other values than {second_value}, which the second reading has; correct it"
         report.add("readings-unused", spec, (*explanation.erratum_place, "printed"), message)
@@ -360,13 +366,13 @@ _KEYS_LEFT_OUT_OF_PATHS = frozenset(
 )
 
 
-def touches(affected_path: str, place: Path) -> bool:
+def touches(affected_path: str, path_in_file: Path) -> bool:
     """Return whether an erratum that affects a path touches a place: the same place, a parent or a child.
 
     ``registers.mode`` touches ``("registers", "mode", "fields", "speed")``. Indices and some keys are not in paths.
     """
     remaining_names = affected_path.split(".")
-    for step in place:
+    for step in path_in_file:
         is_inside_path = not remaining_names
         if is_inside_path:
             break

@@ -55,7 +55,7 @@ class FactSubject:
     Attributes:
         reading: The reading with the facts.
         key: Key of the thing, without the names that a reader chooses.
-        place: Place of the thing in the file.
+        path_in_file: Path of the thing in the file.
         description: Its name in messages, such as ``register 0x49``.
         interface: Interface whose order codes determine the values of its expressions.
         depends_on: Key of the fact without which the other facts of the thing are not compared. By default, this is its
@@ -65,21 +65,21 @@ class FactSubject:
 
     reading: SpecReading
     key: FactKey
-    place: Path
+    path_in_file: Path
     description: str
     interface: str = ""
     depends_on: FactKey | None = None
     joint: str = " of "
 
-    def inside(self, key: FactKey, place: Path, description: str) -> FactSubject:
+    def inside(self, key: FactKey, path_in_file: Path, description: str) -> FactSubject:
         """Return a part of the subject. Its facts are only compared if the subject exists in both readings.
 
-        ``key`` and ``place`` are relative to the key and place of the subject.
+        ``key`` and ``path_in_file`` are relative to the key and place of the subject.
         """
         return FactSubject(
             self.reading,
             key=(*self.key, *key),
-            place=(*self.place, *place),
+            path_in_file=(*self.path_in_file, *path_in_file),
             description=description,
             interface=self.interface,
             depends_on=self.key,
@@ -92,16 +92,16 @@ class FactSubject:
 
         ``at`` is the key inside the subject where the file states it, and ``name`` is the reader's name of the subject.
         """
-        place = (*self.place, at) if at else self.place
+        path_in_file = (*self.path_in_file, at) if at else self.path_in_file
         return ComparedFact(
             fact_class=fact_class,
             key=self.key,
             value=value,
             description=self.description,
-            place=place,
+            path_in_file=path_in_file,
             depends_on=depends_on or self.depends_on or (),
             name=name,
-            name_place=(*self.place, "name"),
+            name_path=(*self.path_in_file, "name"),
         )
 
     def facts_of_part(
@@ -119,7 +119,7 @@ class FactSubject:
         name: str,
         value: FactValue,
         noun: str,
-        place: Path | None = None,
+        path_in_file: Path | None = None,
         may_be_missing: bool = False,
     ) -> ComparedFact:
         """Return another fact about the subject, such as "default of register 0x49".
@@ -129,17 +129,17 @@ class FactSubject:
             name: Identifies the fact, such as ``default``.
             value: Its value.
             noun: Its name in messages, to which ``joint`` and the description of the subject are added.
-            place: Its place in the spec, by default the member ``name`` of the subject.
+            path_in_file: Its path in the spec, by default the member ``name`` of the subject.
             may_be_missing: True if one of the two readings may lack the fact.
         """
         depends_on = self.key if self.depends_on is None else self.depends_on
-        place = (*self.place, name) if place is None else place
+        path_in_file = (*self.path_in_file, name) if path_in_file is None else path_in_file
         return ComparedFact(
             fact_class=fact_class,
             key=(*self.key, name),
             value=value,
             description=f"{noun}{self.joint}{self.description}",
-            place=place,
+            path_in_file=path_in_file,
             depends_on=depends_on,
             may_be_missing=may_be_missing,
         )
@@ -150,6 +150,7 @@ class FactSubject:
         In the table of members, ``read`` is the class of the fact. Members without it have no fact, and neither have
         members in ``without``.
         """
+        reading, subject_path = self.reading, self.path_in_file
         attributes = {member_field.name for member_field in fields(model_part)}
         for member in PARTS_BY_CLASS[type(model_part).__name__].members:
             if not member.read or member.attribute not in attributes or member.name in without:
@@ -157,19 +158,21 @@ class FactSubject:
             member_value = getattr(model_part, member.attribute)
             if member.is_stated(member_value):
                 # The key of the member in the spec is its name in the model or in the table.
-                place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
-                text = _value_text(self.reading, member, member_value, self.interface)
+                path = reading.first_existing((*subject_path, member.attribute), (*subject_path, member.name))
+                text = _value_text(reading, member, member_value, self.interface)
                 noun = member.noun or member.words
-                yield self.detail_fact(FactClass(member.read), name=member.name, value=text, noun=noun, place=place)
-        for language, text in self.reading.printed_names(model_part).items():
-            places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
-            place = self.reading.first_existing(*places)
+                yield self.detail_fact(
+                    FactClass(member.read), name=member.name, value=text, noun=noun, path_in_file=path
+                )
+        for language, printed_name in reading.printed_names(model_part).items():
+            possible_paths = (*subject_path, "names", language), (*subject_path, "printed_name"), subject_path
+            path = reading.first_existing(*possible_paths)
             yield self.detail_fact(
                 FactClass.PRINTED,
                 name=f"name in {language}",
-                value=text,
+                value=printed_name,
                 noun="printed name",
-                place=place,
+                path_in_file=path,
                 may_be_missing=True,
             )
 
@@ -191,7 +194,7 @@ class FactSubject:
                     name=member.name,
                     value=values,
                     noun=member.noun or member.words,
-                    place=self.place,
+                    path_in_file=self.path_in_file,
                 )
 
 
@@ -356,25 +359,25 @@ def numbers_in(text: str) -> str:
 
 def text_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield a fact for every text with numbers, and one for every source with sections, identified by their places."""
-    for place, text in prose_texts((), reading.document.data):
-        numbers_or_sections = _numbers_or_sections(place[-1], text)
+    for path_in_file, text in prose_texts((), reading.document.data):
+        numbers_or_sections = _numbers_or_sections(path_in_file[-1], text)
         if not numbers_or_sections:
             continue
-        if is_source(place[-1]):
+        if is_source(path_in_file[-1]):
             yield ComparedFact(
                 fact_class=FactClass.SECTION,
-                key=(CITED, *place),
+                key=(CITED, *path_in_file),
                 value=numbers_or_sections,
-                description=f"section cited at {dotted_path(place)}",
-                place=place,
+                description=f"section cited at {dotted_path(path_in_file)}",
+                path_in_file=path_in_file,
             )
         else:
             yield ComparedFact(
                 fact_class=FactClass.TEXT,
-                key=(NUMBERS, *place),
+                key=(NUMBERS, *path_in_file),
                 value=numbers_or_sections,
-                description=f"numbers in {dotted_path(place)}",
-                place=place,
+                description=f"numbers in {dotted_path(path_in_file)}",
+                path_in_file=path_in_file,
             )
 
 
@@ -405,7 +408,9 @@ def printed_numbers_by_path(reading: SpecReading) -> dict[str, PrintedNumbers]:
     printed_numbers: dict[str, PrintedNumbers] = {}
     for path, text in reading.document.data.get("found", {}).items():
         member_name = path.rpartition(".")[2]
-        printed_numbers[path] = PrintedNumbers(text=_numbers_or_sections(member_name, text), place=("found", path))
+        printed_numbers[path] = PrintedNumbers(
+            text=_numbers_or_sections(member_name, text), path_in_file=("found", path)
+        )
     return printed_numbers
 
 
@@ -418,7 +423,7 @@ def sections_by_path(reading: SpecReading) -> dict[str, list[str]]:
     return cited_sections
 
 
-def prose_texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
+def prose_texts(path_in_file: Path, node: Any) -> Iterator[tuple[Path, str]]:
     """Yield every text and source in a spec, with its place.
 
     Call it with ``()`` and the data of the spec. It calls itself for each part. In a place, an item of a list is given
@@ -426,17 +431,17 @@ def prose_texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
     """
     if isinstance(node, dict):
         for key, member in node.items():
-            if (*place, key) not in _MAPS_WITHOUT_TEXTS:
-                yield from prose_texts((*place, key), member)
+            if (*path_in_file, key) not in _MAPS_WITHOUT_TEXTS:
+                yield from prose_texts((*path_in_file, key), member)
     elif isinstance(node, list):
         for index, member in enumerate(node):
-            yield from prose_texts((*place, label_of(member) or index), member)
+            yield from prose_texts((*path_in_file, label_of(member) or index), member)
     elif isinstance(node, str):
-        is_characteristic = (place[0], place[-1]) == ("characteristics", "value")
-        if is_characteristic or place[-1] in _KEYS_OF_TEXTS:
-            yield place, node
+        is_characteristic = (path_in_file[0], path_in_file[-1]) == ("characteristics", "value")
+        if is_characteristic or path_in_file[-1] in _KEYS_OF_TEXTS:
+            yield path_in_file, node
 
 
-def dotted_path(place: Path) -> str:
+def dotted_path(path_in_file: Path) -> str:
     """Return a place as a path with dots."""
-    return ".".join(map(str, place))
+    return ".".join(map(str, path_in_file))

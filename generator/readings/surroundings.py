@@ -41,7 +41,10 @@ def surroundings(reading: SpecReading) -> Iterator[ComparedFact]:
     for alarm in reading.device.alarms:
         for bits_text in _alarm_bits_texts(reading, alarm):
             subject = FactSubject(
-                reading, key=("alarm", bits_text), place=("alarms", alarm.name), description=f"the alarm '{alarm.name}'"
+                reading,
+                key=("alarm", bits_text),
+                path_in_file=("alarms", alarm.name),
+                description=f"the alarm '{alarm.name}'",
             )
             yield replace(
                 subject.existence_fact(FactClass.ALARM, "present", name=alarm.name), description=f"alarm at {bits_text}"
@@ -49,7 +52,7 @@ def surroundings(reading: SpecReading) -> Iterator[ComparedFact]:
             yield from subject.stated_facts(alarm)
     for number, hardware_input in enumerate(reading.device.inputs, 1):
         subject = FactSubject(
-            reading, key=("input", number), place=("inputs", hardware_input.name), description=f"input {number}"
+            reading, key=("input", number), path_in_file=("inputs", hardware_input.name), description=f"input {number}"
         )
         yield from subject.facts_of_part(FactClass.INPUT, hardware_input)
     yield from _history_facts(reading, reading.device.manual)
@@ -82,13 +85,13 @@ def _contact_facts(
     if interface:
         connector_text += f" for {interface_label(interface)}"
     key: FactKey = ("connector", interface, connector.kind, connector_number)
-    owner = FactSubject(reading, key=key, place=("connectors", connector.name), description=connector_text)
+    owner = FactSubject(reading, key=key, path_in_file=("connectors", connector.name), description=connector_text)
     yield from owner.facts_of_part(FactClass.PIN, connector)
     for contact in connector.contacts:
         subject = FactSubject(
             reading,
             key=(*owner.key, comparable_text(contact.contact)),
-            place=(*owner.place, "contacts", contact.contact),
+            path_in_file=(*owner.path_in_file, "contacts", contact.contact),
             description=f"contact {contact.contact} of {connector_text}",
             joint=" with ",
         )
@@ -126,17 +129,20 @@ def _history_facts(reading: SpecReading, manual: Manual) -> Iterator[ComparedFac
     """Yield the revisions of the editions that were read, by language, and those that the manual lists."""
     editions: list[tuple[Path, Manual | Edition]] = [(("manual",), manual)]
     editions += [(("manual", "editions", edition.revision), edition) for edition in manual.editions]
-    for place, edition in editions:
+    for path_in_file, edition in editions:
         subject = FactSubject(
-            reading, key=("edition", edition.language), place=place, description=f"the edition '{edition.language}'"
+            reading,
+            key=("edition", edition.language),
+            path_in_file=path_in_file,
+            description=f"the edition '{edition.language}'",
         )
         revision = subject.existence_fact(FactClass.HISTORY, edition.revision, at="revision")
         yield replace(revision, description=f"revision of {subject.description}")
         yield from subject.stated_facts(edition)
     for row in manual.history:
-        row_place = ("manual", "history", row.revision)
+        row_path = ("manual", "history", row.revision)
         row_subject = FactSubject(
-            reading, key=("revision", row.revision), place=row_place, description=f"revision {row.revision}"
+            reading, key=("revision", row.revision), path_in_file=row_path, description=f"revision {row.revision}"
         )
         yield from row_subject.facts_of_part(FactClass.HISTORY, row, value="listed")
 
@@ -145,12 +151,14 @@ def _characteristic_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the facts of every characteristic, identified by its name, and of its quantities, numbered in the text."""
     for characteristic in reading.device.characteristics:
         key = ("characteristic", characteristic.name)
-        place = ("characteristics", characteristic.name)
-        subject = FactSubject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
+        path_in_file = ("characteristics", characteristic.name)
+        subject = FactSubject(
+            reading, key=key, path_in_file=path_in_file, description=f"the characteristic '{characteristic.name}'"
+        )
         yield from subject.facts_of_part(FactClass.CHARACTERISTIC, characteristic)
         for index, quantity_value in enumerate(characteristic.values):
             description = f"{quantity_value.quantity} {index + 1} of {subject.description}"
-            quantity_subject = subject.inside(key=(index,), place=("values", index), description=description)
+            quantity_subject = subject.inside(key=(index,), path_in_file=("values", index), description=description)
             yield from quantity_subject.stated_facts(quantity_value)
 
 
@@ -158,17 +166,24 @@ def _table_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield every table, identified by its name, and the numbers of each cell with numbers, by row and column."""
     for table in reading.device.tables:
         subject = FactSubject(
-            reading, key=("table", table.name), place=("tables", table.name), description=f"the table '{table.name}'"
+            reading,
+            key=("table", table.name),
+            path_in_file=("tables", table.name),
+            description=f"the table '{table.name}'",
         )
         yield from subject.facts_of_part(FactClass.TABLE, table, value=f"{len(table.rows)} rows")
         for row_index, row in enumerate(table.rows):
             for column_index, cell in enumerate(row):
                 cell_numbers = numbers_in(cell)  # A text, such as "5V 10ms", or "".
                 if cell_numbers:
-                    place = (*subject.place, "rows", row_index, column_index)
+                    path_in_file = (*subject.path_in_file, "rows", row_index, column_index)
                     noun = f"row {row_index + 1}, column {column_index + 1}"
                     yield subject.detail_fact(
-                        FactClass.TABLE, name=f"{row_index} {column_index}", value=cell_numbers, noun=noun, place=place
+                        FactClass.TABLE,
+                        name=f"{row_index} {column_index}",
+                        value=cell_numbers,
+                        noun=noun,
+                        path_in_file=path_in_file,
                     )
 
 
@@ -176,13 +191,13 @@ def _led_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield every LED, identified by its name, and its states, numbered in the order of the manual."""
     for led in reading.device.leds:
         led_subject = FactSubject(
-            reading, key=("led", led.name), place=("leds", led.name), description=f"the LED '{led.name}'"
+            reading, key=("led", led.name), path_in_file=("leds", led.name), description=f"the LED '{led.name}'"
         )
         yield from led_subject.facts_of_part(FactClass.LED, led, value=f"{len(led.states)} states")
         for index, led_state in enumerate(led.states):
             state_subject = led_subject.inside(
                 key=(index,),
-                place=("states", index),
+                path_in_file=("states", index),
                 description=f"state {index + 1} of {led_subject.description}",
             )
             yield state_subject.detail_fact(FactClass.LED, name="state", value=led_state.state.casefold(), noun="words")
@@ -194,7 +209,7 @@ class _Detail(NamedTuple):
 
     fact_class: FactClass
     key: FactKey
-    place: Path
+    path_in_file: Path
     value: str
     description: str
 
@@ -208,15 +223,15 @@ def procedures(reading: SpecReading) -> Iterator[ComparedFact]:
     for procedure in reading.device.procedures:
         steps_text = program_text(reading, procedure)
         procedure_key: FactKey = ("procedure", procedure.interface, steps_text)
-        procedure_place: Path = ("procedures", procedure.name)
+        procedure_path: Path = ("procedures", procedure.name)
         yield ComparedFact(
             fact_class=FactClass.PROCEDURE,
             key=procedure_key,
             value=steps_text,
             description=f"a procedure over {interface_label(procedure.interface)}",
-            place=procedure_place,
+            path_in_file=procedure_path,
             name=procedure.name,
-            name_place=(*procedure_place, "name"),
+            name_path=(*procedure_path, "name"),
         )
         for detail in (*_argument_limits(reading, procedure), *_waits_and_repetitions(reading, procedure)):
             yield ComparedFact(
@@ -224,7 +239,7 @@ def procedures(reading: SpecReading) -> Iterator[ComparedFact]:
                 key=(*procedure_key, *detail.key),
                 value=detail.value,
                 description=detail.description,
-                place=(*procedure_place, *detail.place),
+                path_in_file=(*procedure_path, *detail.path_in_file),
                 depends_on=procedure_key,
             )
 
@@ -244,7 +259,7 @@ def _argument_limits(reading: SpecReading, procedure: Procedure) -> Iterator[_De
         yield _Detail(
             fact_class=FactClass.LIMIT,
             key=("argument", number),
-            place=("arguments", argument.name, "of"),
+            path_in_file=("arguments", argument.name, "of"),
             value=f"{register_text(register)}{while_text}",
             description=f"limits of argument {number} of the procedure '{procedure.name}'",
         )
@@ -269,7 +284,7 @@ def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterat
                 yield _Detail(
                     fact_class=FactClass.WAIT,
                     key=("wait", step_number),
-                    place=(*step_place, "at_least_ms"),
+                    path_in_file=(*step_place, "at_least_ms"),
                     value=f"{total_wait_us // 1000} ms",
                     description=f"wait {position_text} in the procedure '{procedure.name}'",
                 )
@@ -283,7 +298,7 @@ def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterat
             yield _Detail(
                 fact_class=FactClass.PROCEDURE,
                 key=("bits", step_number),
-                place=(*step_place, "field"),
+                path_in_file=(*step_place, "field"),
                 value=register_and_bits(reading, step.register, step.field),
                 description=f"bits used by {quoted_step}",
             )
@@ -292,12 +307,12 @@ def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterat
             yield from _repetition_details(step, step_number, step_place, step_in_procedure)
 
 
-def _repetition_details(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
+def _repetition_details(step: SendStep, step_number: int, path_in_file: Path, request_text: str) -> Iterator[_Detail]:
     """Yield how often a request is sent, at which interval, and whether in succession without other requests."""
     yield _Detail(
         fact_class=FactClass.PROCEDURE,
         key=("times", step_number),
-        place=(*place, "times"),
+        path_in_file=(*path_in_file, "times"),
         value=str(step.times),
         description=f"repetitions of {request_text}",
     )
@@ -305,7 +320,7 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
         yield _Detail(
             fact_class=FactClass.WAIT,
             key=("every", step_number),
-            place=(*place, "every_at_least_us"),
+            path_in_file=(*path_in_file, "every_at_least_us"),
             value=f"{step.microseconds} µs",
             description=f"interval of {request_text}",
         )
@@ -313,7 +328,7 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
         yield _Detail(
             fact_class=FactClass.PROCEDURE,
             key=("succession", step_number),
-            place=(*place, "in_succession"),
+            path_in_file=(*path_in_file, "in_succession"),
             value="yes",
             description=f"succession of {request_text}",
         )
@@ -322,17 +337,17 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
 def content_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the page of every section and of every entry in the table of contents, if it has one."""
     for section, section_contents in reading.document.data["manual"].get("contents", {}).items():
-        place: Path = ("manual", "contents", section)
-        pages = {(*place, "page"): section_contents.get("page")}
+        path_in_file: Path = ("manual", "contents", section)
+        pages = {(*path_in_file, "page"): section_contents.get("page")}
         for entry, page in section_contents.get("entries", {}).items():
-            pages[(*place, "entries", entry)] = page
-        for page_place, page in pages.items():
+            pages[(*path_in_file, "entries", entry)] = page
+        for page_path, page in pages.items():
             if page is not None:
-                description = f"page of {dotted_path(page_place[2:])} in the contents"
+                description = f"page of {dotted_path(page_path[2:])} in the contents"
                 yield ComparedFact(
                     fact_class=FactClass.CONTENTS,
-                    key=("contents", *page_place),
+                    key=("contents", *page_path),
                     value=str(page),
                     description=description,
-                    place=page_place,
+                    path_in_file=page_path,
                 )

@@ -67,7 +67,7 @@ class CitingFact:
     refers_to: frozenset[str] = frozenset()
 
     @property
-    def shown(self) -> str:
+    def summary(self) -> str:
         """The fact in one line, with its value shortened: ``specs/x24.yaml:12: clock.max_hz: 4_000_000``."""
         value_text = self.spelling or " ".join(str(self.value).split())
         if len(value_text) > _SHOWN_LETTERS:
@@ -80,7 +80,7 @@ class CitingFact:
         return self.path.startswith(_PATHS_OF_EDITION)
 
     @cached_property
-    def words(self) -> frozenset[str]:
+    def value_words(self) -> frozenset[str]:
         """The words that a manual may print for the value, such as ``4,000`` or ``fa0h`` for 4000."""
         printed_words = frozenset(_printed_words(self.value))
         if self.path.endswith(".poly"):
@@ -127,7 +127,7 @@ class CitingFact:
         change a word of the fact on the cover, or add a row to the history below the row of the fact.
         """
         if self.is_of_edition:
-            is_on_cover = passage.section.number == COVER and not self.words.isdisjoint(passage.old_words)
+            is_on_cover = passage.section.number == COVER and not self.value_words.isdisjoint(passage.old_words)
             has_date = any(_PRINTED_DATE.fullmatch(word) for word in (*passage.old_words, *passage.new_words))
             return is_on_cover or has_date or self._is_above_new_row_of_history(passage)
         return not self.sections.isdisjoint(sections) or self._is_option_named_in(passage)
@@ -143,9 +143,9 @@ class CitingFact:
         if not adds_revision or self.path == "manual.date":
             return False
         if passage.old_words:
-            return bool(self.words) and self.words <= {word.casefold() for word in passage.old_words}
+            return bool(self.value_words) and self.value_words <= {word.casefold() for word in passage.old_words}
         begins_with_revision = _REVISION_NUMBER.fullmatch(passage.new_words[0]) is not None
-        return begins_with_revision and not self.words.isdisjoint(passage.words_in_row)
+        return begins_with_revision and not self.value_words.isdisjoint(passage.words_in_row)
 
     def _is_option_named_in(self, passage: Passage) -> bool:
         """Return whether the fact is about an option of the order code whose label is in the passage.
@@ -261,7 +261,7 @@ _MAPS_OF_ITEMS = ("values", "contents")
 
 
 @dataclass(frozen=True)
-class _Surroundings:
+class _EnclosingContext:
     """The parts of a spec around a fact: the nearest one with its path, and the names, source and references."""
 
     item: Path = ()
@@ -272,7 +272,7 @@ class _Surroundings:
 
 def facts_with_citations(document: Document) -> list[CitingFact]:
     """Return the facts of a spec with what they cite. A fact without a source has the source of the item around it."""
-    return list(_facts_in(document, document.data, path=(), around=_Surroundings()))
+    return list(_facts_in(document, document.data, path=(), enclosing=_EnclosingContext()))
 
 
 def _parse_source(source: str) -> Sources:
@@ -280,45 +280,45 @@ def _parse_source(source: str) -> Sources:
     return parse_sources(source.replace("TODO ", ""))
 
 
-def _facts_in(document: Document, node: Any, path: Path, around: _Surroundings) -> Iterator[CitingFact]:
+def _facts_in(document: Document, node: Any, path: Path, enclosing: _EnclosingContext) -> Iterator[CitingFact]:
     """Yield the facts in part of a spec, with names, source and references from the items around them.
 
     Every single value with a source is a fact, and so is every value about the manual itself. Sources and the keys in
     ``_KEYS_WITHOUT_FACTS`` are left out.
     """
     if isinstance(node, dict):
-        in_map = _surroundings_in(node, path, around)
+        map_context = _context_inside_map(node, path, enclosing)
         for key, member in node.items():
             is_fact = key not in _KEYS_WITHOUT_FACTS and not str(key).endswith("_source")
             if is_fact:
                 printed_key = _PRINTED_FOR_KEY.get(str(key), str(key))
-                member_source = _source_of_member(node, path, key, in_map)
-                around_member = replace(in_map, source=member_source, names=(*in_map.names, printed_key))
-                yield from _facts_in(document, member, (*path, key), around_member)
+                member_source = _source_of_member(node, path, key, map_context)
+                member_context = replace(map_context, source=member_source, names=(*map_context.names, printed_key))
+                yield from _facts_in(document, member, (*path, key), member_context)
     elif isinstance(node, list):
         for index, member in enumerate(node):
             # A row of a table is an item without a name.
             is_row = isinstance(member, list)
-            around_member = replace(around, item=(*path, index)) if is_row else around
-            yield from _facts_in(document, member, (*path, index), around_member)
-    elif around.source or path[:1] == ("manual",):
-        yield _build_fact(document, node, path, around)
+            member_context = replace(enclosing, item=(*path, index)) if is_row else enclosing
+            yield from _facts_in(document, member, (*path, index), member_context)
+    elif enclosing.source or path[:1] == ("manual",):
+        yield _build_fact(document, node, path, enclosing)
 
 
-def _source_of_member(item: Mapping[str, Any], path: Path, member_name: str, in_map: _Surroundings) -> Sources:
+def _source_of_member(item: Mapping[str, Any], path: Path, member_name: str, map_context: _EnclosingContext) -> Sources:
     """Return the citations of a member of a map: its own source, ``<key>_source``, or else the source of the map.
 
     An entry of the table of contents without a source cites its section, such as ``manual.contents.4.2``.
     """
     own_source = item.get(f"{member_name}_source")
-    source = _parse_source(own_source) if isinstance(own_source, str) else in_map.source
+    source = _parse_source(own_source) if isinstance(own_source, str) else map_context.source
     if path[:2] == ("manual", "contents") and not source:
         section = path[2] if len(path) > 2 else member_name
         return _parse_source(str(section))
     return source
 
 
-def _surroundings_in(item: Mapping[str, Any], path: Path, around: _Surroundings) -> _Surroundings:
+def _context_inside_map(item: Mapping[str, Any], path: Path, enclosing: _EnclosingContext) -> _EnclosingContext:
     """Return the item, source, names and references for the facts in a map.
 
     A map is an item itself if it is in a list or in a map of items, or has a source. Other maps belong to the item
@@ -330,11 +330,11 @@ def _surroundings_in(item: Mapping[str, Any], path: Path, around: _Surroundings)
     references = frozenset(_references_in(item))
     # An item with its own references has only its own.
     if not is_item or not references:
-        references |= around.refers_to
-    return _Surroundings(
-        item=path if is_item else around.item,
-        source=_parse_source(own_source) if isinstance(own_source, str) else around.source,
-        names=(*around.names, *_names_of_item(item)),
+        references |= enclosing.refers_to
+    return _EnclosingContext(
+        item=path if is_item else enclosing.item,
+        source=_parse_source(own_source) if isinstance(own_source, str) else enclosing.source,
+        names=(*enclosing.names, *_names_of_item(item)),
         refers_to=references,
     )
 
@@ -349,13 +349,13 @@ def _references_in(item: Mapping[str, Any]) -> Iterator[str]:
                 yield name
 
 
-def _build_fact(document: Document, fact_value: object, path: Path, around: _Surroundings) -> CitingFact:
+def _build_fact(document: Document, fact_value: object, path: Path, enclosing: _EnclosingContext) -> CitingFact:
     """Return the value at a path as a fact, with the sections and pages of the manual that it cites.
 
     Citations of other documents are left out.
     """
     # A citation without a document is one of the manual itself.
-    in_manual = [citation for citation in around.source if not citation.document]
+    in_manual = [citation for citation in enclosing.source if not citation.document]
     line, _ = document.position(path)
     return CitingFact(
         file=document.file,
@@ -364,10 +364,10 @@ def _build_fact(document: Document, fact_value: object, path: Path, around: _Sur
         value=fact_value,
         sections=frozenset(citation.section for citation in in_manual if citation.section),
         pages=frozenset(citation.page for citation in in_manual if citation.page is not None),
-        names=around.names,
+        names=enclosing.names,
         spelling=_spelling_in_spec(document, fact_value, path),
-        item=document.name_path(around.item),
-        refers_to=around.refers_to,
+        item=document.name_path(enclosing.item),
+        refers_to=enclosing.refers_to,
     )
 
 

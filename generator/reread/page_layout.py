@@ -29,7 +29,7 @@ def without_digits(line: str) -> str:
     return re.sub(r"\d+", "#", line.strip())
 
 
-def find_page_numbers(lines: Sequence[str]) -> set[int]:
+def find_lines_of_page_numbers(lines: Sequence[str]) -> set[int]:
     """Return the indices of lines that contain only a page number, or an empty set if there are fewer than 4.
 
     The page numbers are the longest series of numbers that increase by 1 to 3.
@@ -51,7 +51,7 @@ def find_page_numbers(lines: Sequence[str]) -> set[int]:
     return set(longest_series) if len(longest_series) >= LEAST_REPETITIONS else set()
 
 
-def find_running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
+def find_lines_of_running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
     """Return the indices of the lines of running heads, which are printed on many pages.
 
     The lines of a running head differ only in their numbers. They contain increasing page numbers, occur at regular

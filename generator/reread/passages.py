@@ -105,21 +105,25 @@ def _passages_of_section(
     """
     if old == new:
         return
-    for low, high, new_low, new_high in _differences_with_near_joined(old, new):
-        old_words, new_words = tuple(old[low:high]), tuple(new[new_low:new_high])
+    for old_start, old_end, new_start, new_end in _differences_with_near_joined(old, new):
+        old_words, new_words = tuple(old[old_start:old_end]), tuple(new[new_start:new_end])
         # Words that are only hyphenated differently at the end of a line have the same letters.
         if "".join(old_words) == "".join(new_words):
             continue
         is_in_one_edition = not old_words or not new_words
         if is_in_one_edition and joined_letters((*old_words, *new_words)) in heads:
             continue
-        old_row = _with_words_around(old, low, high, count_before=_CLOSE_WORDS, count_after=_CLOSE_WORDS)
-        new_row = _with_words_around(new, new_low, new_high, count_before=_CLOSE_WORDS, count_after=_CLOSE_WORDS)
-        old_paragraph = _with_words_around(old, low, high, count_before=_WORDS_BEFORE, count_after=_WORDS_AFTER)
-        new_paragraph = _with_words_around(new, new_low, new_high, count_before=_WORDS_BEFORE, count_after=_WORDS_AFTER)
+        old_row = _with_words_around(old, old_start, old_end, count_before=_CLOSE_WORDS, count_after=_CLOSE_WORDS)
+        new_row = _with_words_around(new, new_start, new_end, count_before=_CLOSE_WORDS, count_after=_CLOSE_WORDS)
+        old_paragraph = _with_words_around(
+            old, old_start, old_end, count_before=_WORDS_BEFORE, count_after=_WORDS_AFTER
+        )
+        new_paragraph = _with_words_around(
+            new, new_start, new_end, count_before=_WORDS_BEFORE, count_after=_WORDS_AFTER
+        )
         # An insertion contains no old words, so facts are found by the words next to it.
         words_next_to = _with_words_around(
-            old, low, high, count_before=_WORDS_NEXT_TO_INSERTION, count_after=_WORDS_NEXT_TO_INSERTION
+            old, old_start, old_end, count_before=_WORDS_NEXT_TO_INSERTION, count_after=_WORDS_NEXT_TO_INSERTION
         )
         is_insertion = not old_words
         yield Passage(
@@ -128,16 +132,16 @@ def _passages_of_section(
             new_words=new_words,
             words_in_row=(*old_row, *new_row),
             words_in_paragraph=(*old_paragraph, *new_paragraph),
-            shown_texts=(_shown_text(old, low, high), _shown_text(new, new_low, new_high)),
+            shown_texts=(_shown_text(old, old_start, old_end), _shown_text(new, new_start, new_end)),
             words_next_to=tuple(words_next_to) if is_insertion else (),
         )
 
 
 def _with_words_around(
-    words: Sequence[str], low: int, high: int, *, count_before: int, count_after: int
+    words: Sequence[str], start: int, end: int, *, count_before: int, count_after: int
 ) -> Sequence[str]:
-    """Return the words from index ``low`` to before ``high``, with some words before and after them."""
-    return words[max(low - count_before, 0) : high + count_after]
+    """Return the words from index ``start`` to before ``end``, with some words before and after them."""
+    return words[max(start - count_before, 0) : end + count_after]
 
 
 def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Iterator[RangePair]:
@@ -148,9 +152,9 @@ def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Ite
     joined_pair: RangePair | None = None
     for next_pair in differing_ranges(old, new):
         if joined_pair is not None:
-            equal_words_between = next_pair.low - joined_pair.high
+            equal_words_between = next_pair.old_start - joined_pair.old_end
             if equal_words_between <= _MAX_EQUAL_WORDS_BETWEEN:
-                joined_pair = joined_pair._replace(high=next_pair.high, new_high=next_pair.new_high)
+                joined_pair = joined_pair._replace(old_end=next_pair.old_end, new_end=next_pair.new_end)
                 continue
             yield joined_pair
         joined_pair = next_pair
@@ -158,11 +162,11 @@ def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Ite
         yield joined_pair
 
 
-def _shown_text(words: Sequence[str], low: int, high: int) -> str:
+def _shown_text(words: Sequence[str], start: int, end: int) -> str:
     """Return a range of words in brackets, with up to 5 words before and after it: ``at most [ 10 ] MHz``."""
-    words_before = words[max(low - _SHOWN_WORDS, 0) : low]
-    words_after = words[high : high + _SHOWN_WORDS]
-    text = " ".join([*words_before, "[", *words[low:high], "]", *words_after])
+    words_before = words[max(start - _SHOWN_WORDS, 0) : start]
+    words_after = words[end : end + _SHOWN_WORDS]
+    text = " ".join([*words_before, "[", *words[start:end], "]", *words_after])
     return text.replace("[ ]", "[]")
 
 
@@ -254,14 +258,14 @@ _MOST_PAIRS_WITHOUT_PHRASE = 400_000
 class RangePair(NamedTuple):
     """A range of words of the old edition, and the range that replaces it in the new edition."""
 
-    low: int
-    high: int
-    new_low: int
-    new_high: int
+    old_start: int
+    old_end: int
+    new_start: int
+    new_end: int
 
     @property
     def is_empty(self) -> bool:
-        return self.low == self.high and self.new_low == self.new_high
+        return self.old_start == self.old_end and self.new_start == self.new_end
 
 
 def differing_ranges(old: Sequence[str], new: Sequence[str]) -> Iterator[RangePair]:
@@ -270,89 +274,106 @@ def differing_ranges(old: Sequence[str], new: Sequence[str]) -> Iterator[RangePa
     Short ranges are compared word by word. Long ranges are first divided at phrases that both texts contain once: at
     phrases of 16 words, then of 8 words, and so on. Ranges that are then still too long count as one difference.
     """
-    whole_texts = RangePair(low=0, high=len(old), new_low=0, new_high=len(new))
+    whole_texts = RangePair(old_start=0, old_end=len(old), new_start=0, new_end=len(new))
     # The ranges to compare, last first, with the index of the length of the phrases that divide them next.
     ranges_to_compare = [(whole_texts, 0)]
     while ranges_to_compare:
         undivided_ranges, length_index = ranges_to_compare.pop()
-        ranges = _without_equal_ends(old, new, undivided_ranges)
-        if ranges.is_empty:
+        range_pair = _without_equal_ends(old, new, undivided_ranges)
+        if range_pair.is_empty:
             continue
         has_more_lengths = length_index < len(_PHRASE_LENGTHS)
         most_pairs = _MOST_PAIRS if has_more_lengths else _MOST_PAIRS_WITHOUT_PHRASE
-        if _has_few_equal_pairs(old, new, ranges, most_pairs):
-            yield from _differences_within(old, new, ranges)
+        if _has_few_equal_pairs(old, new, range_pair, most_pairs):
+            yield from _differences_within(old, new, range_pair)
         elif has_more_lengths:
             # The list is processed from its end, so the order is reversed.
-            smaller_ranges = _divide_at_phrases(old, new, ranges, _PHRASE_LENGTHS[length_index])
+            smaller_ranges = _divide_at_phrases(old, new, range_pair, _PHRASE_LENGTHS[length_index])
             ranges_to_compare += [(smaller, length_index + 1) for smaller in reversed(smaller_ranges)]
         else:
-            yield ranges
+            yield range_pair
 
 
-def _without_equal_ends(old: Sequence[str], new: Sequence[str], ranges: RangePair) -> RangePair:
+def _without_equal_ends(old: Sequence[str], new: Sequence[str], range_pair: RangePair) -> RangePair:
     """Return the ranges without equal words at their beginnings and ends."""
-    low, high, new_low, new_high = ranges
-    while low < high and new_low < new_high and old[low] == new[new_low]:
-        low, new_low = low + 1, new_low + 1
-    while low < high and new_low < new_high and old[high - 1] == new[new_high - 1]:
-        high, new_high = high - 1, new_high - 1
-    return RangePair(low=low, high=high, new_low=new_low, new_high=new_high)
+    old_start, old_end, new_start, new_end = range_pair
+    while old_start < old_end and new_start < new_end and old[old_start] == new[new_start]:
+        old_start, new_start = old_start + 1, new_start + 1
+    while old_start < old_end and new_start < new_end and old[old_end - 1] == new[new_end - 1]:
+        old_end, new_end = old_end - 1, new_end - 1
+    return RangePair(old_start=old_start, old_end=old_end, new_start=new_start, new_end=new_end)
 
 
-def _has_few_equal_pairs(old: Sequence[str], new: Sequence[str], ranges: RangePair, most_pairs: int) -> bool:
+def _has_few_equal_pairs(old: Sequence[str], new: Sequence[str], range_pair: RangePair, most_pairs: int) -> bool:
     """Return whether two ranges have at most ``most_pairs`` pairs of equal words.
 
     A word that occurs 3 times in one range and twice in the other results in 6 pairs.
     """
-    old_counts = Counter(old[ranges.low : ranges.high])
-    new_counts = Counter(new[ranges.new_low : ranges.new_high])
-    pair_count = sum(count * new_counts[word] for word, count in old_counts.items())
+    old_counts = Counter(old[range_pair.old_start : range_pair.old_end])
+    new_counts = Counter(new[range_pair.new_start : range_pair.new_end])
+    pair_count = sum(old_count * new_counts[word] for word, old_count in old_counts.items())
     return pair_count <= most_pairs
 
 
-def _differences_within(old: Sequence[str], new: Sequence[str], ranges: RangePair) -> Iterator[RangePair]:
+def _differences_within(old: Sequence[str], new: Sequence[str], range_pair: RangePair) -> Iterator[RangePair]:
     """Yield the differences between two ranges, compared word by word, as ranges of the whole texts."""
-    low, high, new_low, new_high = ranges
-    matcher = SequenceMatcher(None, old[low:high], new[new_low:new_high], autojunk=False)
-    for tag, start, end, new_start, new_end in matcher.get_opcodes():
+    old_start, old_end, new_start, new_end = range_pair
+    matcher = SequenceMatcher(None, old[old_start:old_end], new[new_start:new_end], autojunk=False)
+    # The indices in an opcode count from the starts of the two ranges.
+    for tag, first_old, end_old, first_new, end_new in matcher.get_opcodes():
         if tag != "equal":
-            yield RangePair(low=low + start, high=low + end, new_low=new_low + new_start, new_high=new_low + new_end)
+            yield RangePair(
+                old_start=old_start + first_old,
+                old_end=old_start + end_old,
+                new_start=new_start + first_new,
+                new_end=new_start + end_new,
+            )
 
 
 def _divide_at_phrases(
-    old: Sequence[str], new: Sequence[str], ranges: RangePair, phrase_length: int
+    old: Sequence[str], new: Sequence[str], range_pair: RangePair, phrase_length: int
 ) -> list[RangePair]:
     """Return the ranges between phrases of this length that occur once in each range and in the same order.
 
     Phrases that overlap the previous phrase are skipped. If there is no phrase, the result is the undivided ranges.
     """
-    old_places = _places_of_phrases(old, ranges.low, ranges.high, phrase_length)
-    new_places = _places_of_phrases(new, ranges.new_low, ranges.new_high, phrase_length)
-    common_places = [(place, new_places[phrase]) for phrase, place in old_places.items() if phrase in new_places]
+    old_index_by_phrase = _index_by_unique_phrase(old, range_pair.old_start, range_pair.old_end, phrase_length)
+    new_index_by_phrase = _index_by_unique_phrase(new, range_pair.new_start, range_pair.new_end, phrase_length)
+    common_indices = [
+        (old_index, new_index_by_phrase[phrase])
+        for phrase, old_index in old_index_by_phrase.items()
+        if phrase in new_index_by_phrase
+    ]
     ranges_between: list[RangePair] = []
-    low, new_low = ranges.low, ranges.new_low
-    for place, new_place in _longest_increasing(sorted(common_places)):
-        is_after_last_phrase = place >= low and new_place >= new_low
+    old_start, new_start = range_pair.old_start, range_pair.new_start
+    for old_index, new_index in _longest_increasing(sorted(common_indices)):
+        is_after_last_phrase = old_index >= old_start and new_index >= new_start
         if is_after_last_phrase:
-            ranges_between.append(RangePair(low=low, high=place, new_low=new_low, new_high=new_place))
-            low, new_low = place + phrase_length, new_place + phrase_length
-    return [*ranges_between, RangePair(low=low, high=ranges.high, new_low=new_low, new_high=ranges.new_high)]
+            ranges_between.append(
+                RangePair(old_start=old_start, old_end=old_index, new_start=new_start, new_end=new_index)
+            )
+            old_start, new_start = old_index + phrase_length, new_index + phrase_length
+    return [
+        *ranges_between,
+        RangePair(old_start=old_start, old_end=range_pair.old_end, new_start=new_start, new_end=range_pair.new_end),
+    ]
 
 
-def _places_of_phrases(words: Sequence[str], low: int, high: int, length: int) -> dict[tuple[str, ...], int]:
+def _index_by_unique_phrase(
+    words: Sequence[str], start: int, end: int, phrase_length: int
+) -> dict[tuple[str, ...], int]:
     """Return the index of the first word of each phrase of this length that occurs once in a range.
 
     For the range of "at most 10 at least" and a length of 2: ``{("at", "most"): 0, ("most", "10"): 1, …}``.
     """
-    places: dict[tuple[str, ...], int] = {}
+    index_by_phrase: dict[tuple[str, ...], int] = {}
     repeated_phrases: set[tuple[str, ...]] = set()
-    for place in range(low, high - length + 1):
-        phrase = tuple(words[place : place + length])
-        if phrase in places:
+    for index in range(start, end - phrase_length + 1):
+        phrase = tuple(words[index : index + phrase_length])
+        if phrase in index_by_phrase:
             repeated_phrases.add(phrase)
-        places[phrase] = place
-    return {phrase: place for phrase, place in places.items() if phrase not in repeated_phrases}
+        index_by_phrase[phrase] = index
+    return {phrase: index for phrase, index in index_by_phrase.items() if phrase not in repeated_phrases}
 
 
 def _longest_increasing(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
@@ -365,11 +386,11 @@ def _longest_increasing(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int
     last_indices: list[int] = []
     # For each pair: the index of the pair before it in the longest series that ends with it, or -1.
     previous_indices: list[int] = []
-    for index, (_, new_place) in enumerate(pairs):
+    for index, (_, second_number) in enumerate(pairs):
         # The pair continues the longest series that ends with a lower second number.
-        length_before = bisect_left(lowest_ends, new_place)
+        length_before = bisect_left(lowest_ends, second_number)
         previous_indices.append(last_indices[length_before - 1] if length_before else -1)
-        lowest_ends[length_before : length_before + 1] = [new_place]
+        lowest_ends[length_before : length_before + 1] = [second_number]
         last_indices[length_before : length_before + 1] = [index]
     series: list[tuple[int, int]] = []
     index = last_indices[-1] if last_indices else -1

@@ -15,8 +15,8 @@ from .page_layout import (
     LEAST_REPETITIONS,
     LONGEST_HEAD,
     find_heads_at_edges,
-    find_page_numbers,
-    find_running_heads,
+    find_lines_of_page_numbers,
+    find_lines_of_running_heads,
     without_digits,
     without_edges,
 )
@@ -174,8 +174,8 @@ def divide_into_sections(text: str) -> Manual:
     running_heads: set[int] = set()
     page_numbers: set[int] = set()
     if not has_pages:
-        running_heads = find_running_heads(lines, set(headings))
-        page_numbers = find_page_numbers(lines)
+        running_heads = find_lines_of_running_heads(lines, set(headings))
+        page_numbers = find_lines_of_page_numbers(lines)
     sections: list[Section] = []
     for (number, title), body_lines in _lines_below_headings(
         lines, headings, contents_lines, running_heads | page_numbers
@@ -193,32 +193,32 @@ def divide_into_sections(text: str) -> Manual:
 
 
 def _lines_below_headings(
-    lines: Sequence[str], headings: Mapping[int, _Heading], contents_lines: set[int], left_out: set[int]
+    lines: Sequence[str], headings: Mapping[int, _Heading], contents_lines: set[int], skipped_lines: set[int]
 ) -> list[tuple[_Heading, list[str]]]:
     """Return each heading with the lines below it, beginning with the cover, the text before the first heading.
 
-    Lines of the table of contents and lines with an index in ``left_out`` are left out. If a title continues on the
-    next lines, these are not part of the text below it.
+    Lines of the table of contents and lines with an index in ``skipped_lines`` are left out. If a title continues on
+    the next lines, these are not part of the text below it.
     """
     numbered_headings = [index for index, (number, _) in headings.items() if number[0].isdigit()]
     first_numbered_heading = min(numbered_headings, default=0)
-    bodies: list[tuple[_Heading, list[str]]] = [((COVER, COVER), [])]
-    rest_of_title: list[str] = []
+    headings_and_bodies: list[tuple[_Heading, list[str]]] = [((COVER, COVER), [])]
+    remaining_title_words: list[str] = []
     for index, line in enumerate(lines):
         folded_words = _folded_words(line)
         # A line with dots and a page only belongs to the table of contents if it is before the first heading.
         is_in_contents = index < first_numbered_heading and (index in contents_lines or _IN_CONTENTS.search(line))
         if index in headings:
             _, title = headings[index]
-            bodies.append((headings[index], []))
+            headings_and_bodies.append((headings[index], []))
             words_on_this_line = _folded_words(_without_number(line))
-            rest_of_title = _folded_words(title)[len(words_on_this_line) :]
-        elif folded_words and folded_words == rest_of_title[: len(folded_words)]:
-            rest_of_title = rest_of_title[len(folded_words) :]  # The heading continues on this line.
-        elif not is_in_contents and index not in left_out:
-            _, body = bodies[-1]
+            remaining_title_words = _folded_words(title)[len(words_on_this_line) :]
+        elif folded_words and folded_words == remaining_title_words[: len(folded_words)]:
+            remaining_title_words = remaining_title_words[len(folded_words) :]  # The heading continues on this line.
+        elif not is_in_contents and index not in skipped_lines:
+            _, body = headings_and_bodies[-1]
             body.append(line)
-    return bodies
+    return headings_and_bodies
 
 
 def _missing_titles(title_by_number: Mapping[str, str], headings: Mapping[int, _Heading]) -> dict[str, str]:
@@ -404,10 +404,10 @@ def _numbered_heading(line: str) -> _Heading | None:
 
     Return None for a line without a number and for a very long line.
     """
-    match = _HEADING_LINE.fullmatch(_entry_title(line))
-    if match is None or len(line) > LONGEST_HEAD:
+    heading_match = _HEADING_LINE.fullmatch(_entry_title(line))
+    if heading_match is None or len(line) > LONGEST_HEAD:
         return None
-    return match["number"], match["title"].strip()
+    return heading_match["number"], heading_match["title"].strip()
 
 
 def _entry_title(line: str) -> str:

@@ -42,15 +42,15 @@ _WITH_UNIT = re.compile(r"(?P<number>\d[\d.]*)[kmµn]?(?:hz|vdc|v|a|s|m)")
 class _PassageWords(NamedTuple):
     """Words of a passage that are compared with facts: differing words, and words in their row, paragraph and section.
 
-    ``weight`` is the weight of a word that differs.
+    ``difference_weight`` is the weight of a word that differs.
     """
 
-    differing: set[str]
-    next_to: set[str]
-    row: set[str]
-    paragraph: set[str]
-    section: set[str]
-    weight: float
+    differing_words: set[str]
+    adjacent_words: set[str]
+    row_words: set[str]
+    paragraph_words: set[str]
+    section_words: set[str]
+    difference_weight: float
 
 
 class SectionFacts:
@@ -59,7 +59,7 @@ class SectionFacts:
     def __init__(self, facts: Sequence[CitingFact], section_words: Iterable[str]) -> None:
         self.facts = facts
         self.words = _comparable_words(section_words)
-        self.counts = Counter(word for fact in facts for word in fact.words | fact.name_words)
+        self.fact_count_by_word = Counter(word for fact in facts for word in fact.value_words | fact.name_words)
 
     def likely_facts(self, passage: Passage) -> list[tuple[float, CitingFact]]:
         """Return the facts whose value or name occurs in a passage, with their scores, the highest score first.
@@ -69,16 +69,16 @@ class SectionFacts:
         """
         passage_words = _PassageWords(
             # An insertion contains no old words.
-            differing=_comparable_words(passage.old_words or passage.new_words),
-            next_to=_comparable_words(passage.words_next_to),
-            row=_comparable_words(passage.words_in_row),
-            paragraph=_comparable_words(passage.words_in_paragraph),
-            section=self.words,
-            weight=_WEIGHT_OF_DIFFERING if passage.old_words else _WEIGHT_OF_INSERTED,
+            differing_words=_comparable_words(passage.old_words or passage.new_words),
+            adjacent_words=_comparable_words(passage.words_next_to),
+            row_words=_comparable_words(passage.words_in_row),
+            paragraph_words=_comparable_words(passage.words_in_paragraph),
+            section_words=self.words,
+            difference_weight=_WEIGHT_OF_DIFFERING if passage.old_words else _WEIGHT_OF_INSERTED,
         )
         scored_facts: list[tuple[float, CitingFact]] = []
         for fact in self.facts:
-            score = _score_of_fact(fact, passage_words, self.counts)
+            score = _score_of_fact(fact, passage_words, self.fact_count_by_word)
             if score > 0:
                 scored_facts.append((score, fact))
 
@@ -153,7 +153,7 @@ class TouchedFacts:
         likely_by_item: dict[str, list[CitingFact]] = {}
         for fact in likely_facts:
             likely_by_item.setdefault(fact.item, []).append(fact)
-        listed_facts = [*self._with_changed_text(passage, all_facts), *_differing_values(likely_by_item, passage)]
+        listed_facts = [*self._with_changed_text(passage, all_facts), *_facts_with_old_words(likely_by_item, passage)]
         items_of_listed = [fact.item for fact in listed_facts if fact.item in likely_by_item]
         for rank, item in enumerate(dict.fromkeys((*items_of_listed, *likely_by_item))):
             item_facts = list(dict.fromkeys((*likely_by_item[item], *self._facts_by_item[item])))
@@ -184,7 +184,7 @@ class TouchedFacts:
             return inserted_facts
         equal_facts = list(chain.from_iterable(equal_facts_by_value.values()))
         quoting_facts = [fact for fact in facts if change.is_quoted_in(fact)]
-        containing_facts = dict.fromkeys((*quoting_facts, *(fact for fact in facts if change.is_in(fact))))
+        containing_facts = dict.fromkeys((*quoting_facts, *(fact for fact in facts if change.is_contained_in(fact))))
         # A fact that equals the text also contains it. It is listed once.
         listed_facts = set(equal_facts)
         other_facts = [fact for fact in containing_facts if fact not in listed_facts]
@@ -203,7 +203,7 @@ class TouchedFacts:
         passage_words = _comparable_words((*passage.old_words, *passage.new_words))
 
         def common_word_count(fact: CitingFact) -> int:
-            return len(fact.words & passage_words)
+            return len(fact.value_words & passage_words)
 
         counted_facts: list[tuple[int, CitingFact]] = []
         for referring_item in referring_items:
@@ -239,27 +239,27 @@ class _Change:
         text_before_change, _, _ = shown_old_text.partition("[")
         _, _, text_after_change = shown_old_text.partition("]")
         words_before, words_after = text_before_change.split(), text_after_change.split()
-        self._text = ""
+        self._changed_text = ""
         #: The changed words with the word before and the word after them: `` preset setting enable ``.
-        self._phrase = ""
-        self._old_context = ""
+        self._changed_phrase = ""
+        self._shown_old_text = ""
         # The text is only compared if new words replace it. ``spaced`` adds a space at each end, so that only whole
         # words match.
         is_replaced = bool(changed_words) and bool(passage.new_words)
         if is_replaced:
-            self._text = spaced(" ".join(changed_words))
-            self._old_context = spaced(shown_old_text)
+            self._changed_text = spaced(" ".join(changed_words))
+            self._shown_old_text = spaced(shown_old_text)
             if words_before and words_after:
-                self._phrase = spaced(" ".join((words_before[-1], *changed_words, words_after[0])))
+                self._changed_phrase = spaced(" ".join((words_before[-1], *changed_words, words_after[0])))
         self._adds_row = not passage.old_words
         self._inserted_text = spaced(" ".join(passage.new_words)) if self._adds_row else ""
         self._text_before_change = spaced(text_before_change) if passage.new_words else ""
         #: All old words of the change, with those that the new text keeps: `` sine cosine resolution ``.
         self._whole_old_text = spaced(" ".join(passage.old_words)) if is_replaced else ""
-        self._labels = {word for word in changed_words if _LABEL_IN_CAPITALS.fullmatch(word)}
-        self._numbers = _numbers_in(changed_words)
-        words_beside = [*words_before[-_WORDS_BESIDE:], *words_after[:_WORDS_BESIDE]]
-        self._numbers_beside = {number for number in _numbers_in(words_beside) if len(number) > 1}
+        self._changed_labels = {word for word in changed_words if _LABEL_IN_CAPITALS.fullmatch(word)}
+        self._changed_numbers = _numbers_in(changed_words)
+        adjacent_words = [*words_before[-_WORDS_BESIDE:], *words_after[:_WORDS_BESIDE]]
+        self._numbers_next_to_change = {number for number in _numbers_in(adjacent_words) if len(number) > 1}
 
     def is_value_or_name_of(self, fact: CitingFact) -> bool:
         """Return whether the changed words are the value, the name or the label of a fact.
@@ -271,11 +271,11 @@ class _Change:
         if fact.is_page_of_contents and not self._is_changed_name(fact.own_name_text):
             return False
         is_number = isinstance(fact.value, int | float) and not isinstance(fact.value, bool)
-        if is_number and fact.words & self._numbers:
+        if is_number and fact.value_words & self._changed_numbers:
             return True
         if self._adds_row:
             return fact.path.startswith("order_code.parts.")
-        is_label = not self._labels.isdisjoint((*fact.path.split("."), str(fact.value)))
+        is_label = not self._changed_labels.isdisjoint((*fact.path.split("."), str(fact.value)))
         return is_label or self._is_changed_name(fact.text) or self._is_changed_name(fact.own_name_text)
 
     def inserts_name_of(self, fact: CitingFact) -> bool:
@@ -288,13 +288,13 @@ class _Change:
 
         A part of the changed text must have several words. A text that contains it must occur in the old passage.
         """
-        if not self._text or not text.strip():
+        if not self._changed_text or not text.strip():
             return False
-        is_part_of_change = " " in text.strip() and text in self._text
-        contains_change = self._text in text and text in self._old_context
-        return is_part_of_change or text in (self._text, self._whole_old_text) or contains_change
+        is_part_of_change = " " in text.strip() and text in self._changed_text
+        contains_change = self._changed_text in text and text in self._shown_old_text
+        return is_part_of_change or text in (self._changed_text, self._whole_old_text) or contains_change
 
-    def is_in(self, fact: CitingFact) -> bool:
+    def is_contained_in(self, fact: CitingFact) -> bool:
         """Return whether the value of a fact is a text that contains the changed words, or a number or label in them.
 
         A fact also counts if its name ends directly before the change.
@@ -302,18 +302,18 @@ class _Change:
         if isinstance(fact.value, int | float):
             return False
         # A single digit occurs in many texts, so it only counts with a number next to the change: ``5 V to 30 V``.
-        numbers_in_fact = fact.words & self._numbers
+        numbers_in_fact = fact.value_words & self._changed_numbers
         contains_number = any(len(word) > 1 for word in numbers_in_fact)
-        contains_number |= bool(numbers_in_fact) and not fact.words.isdisjoint(self._numbers_beside)
-        contains_text = len(self._text) > _SHORTEST_TEXT and self._text in fact.text
-        contains_label = any(f" {label.casefold()} " in fact.text for label in self._labels)
+        contains_number |= bool(numbers_in_fact) and not fact.value_words.isdisjoint(self._numbers_next_to_change)
+        contains_text = len(self._changed_text) > _SHORTEST_TEXT and self._changed_text in fact.text
+        contains_label = any(f" {label.casefold()} " in fact.text for label in self._changed_labels)
         return (
             contains_number or contains_text or contains_label or self.is_quoted_in(fact) or self._is_named_before(fact)
         )
 
     def is_quoted_in(self, fact: CitingFact) -> bool:
         """Return whether a text contains the changed words between the same two words as in the old passage."""
-        return bool(self._phrase) and self._phrase in fact.text
+        return bool(self._changed_phrase) and self._changed_phrase in fact.text
 
     def _is_named_before(self, fact: CitingFact) -> bool:
         """Return whether the words directly before the change are the name of a fact with several words."""
@@ -321,7 +321,7 @@ class _Change:
         return " " in name.strip() and self._text_before_change.endswith(name)
 
 
-def _differing_values(likely_by_item: Mapping[str, Sequence[CitingFact]], passage: Passage) -> list[CitingFact]:
+def _facts_with_old_words(likely_by_item: Mapping[str, Sequence[CitingFact]], passage: Passage) -> list[CitingFact]:
     """Return the most likely fact of each item whose value contains an old word, or whose name is in the old words.
 
     At most 4 facts are returned. ``likely_by_item`` contains the facts of each item, the most likely first.
@@ -330,38 +330,46 @@ def _differing_values(likely_by_item: Mapping[str, Sequence[CitingFact]], passag
     differing_facts: list[CitingFact] = []
     for item_facts in likely_by_item.values():
         facts_with_old_words = [
-            fact for fact in item_facts if fact.words & old_words or fact.own_name_words <= old_words
+            fact for fact in item_facts if fact.value_words & old_words or fact.own_name_words <= old_words
         ]
         differing_facts += facts_with_old_words[:1]
     return differing_facts[:_MAX_DIFFERING_VALUES]
 
 
-def _score_of_fact(fact: CitingFact, passage_words: _PassageWords, fact_counts: Mapping[str, int]) -> float:
+def _score_of_fact(fact: CitingFact, passage_words: _PassageWords, fact_count_by_word: Mapping[str, int]) -> float:
     """Return how likely a passage concerns a fact, as a score. It is 0 if the passage is not about the fact.
 
     The score is high if the value and the name of the fact occur in the passage. Words that differ count most, followed
-    by words in the same row and in the same paragraph. Rare words count more. ``fact_counts`` contains the number of
-    facts with each word.
+    by words in the same row and in the same paragraph. Rare words count more, by the number of facts with each
+    word.
     """
-    difference_score = _weight_by_rarity(fact.words & passage_words.differing, fact_counts)
-    difference_score += _weight_by_rarity(fact.name_words & passage_words.differing, fact_counts) / 2
-    difference_score += _weight_by_rarity(fact.name_words & passage_words.next_to, fact_counts) * _WEIGHT_NEXT_TO_CHANGE
-    paragraph_name_share = _share_near_passage(
-        fact.name_words, passage_words.paragraph, passage_words.section, fact_counts
+    difference_score = _weight_by_rarity(fact.value_words & passage_words.differing_words, fact_count_by_word)
+    difference_score += _weight_by_rarity(fact.name_words & passage_words.differing_words, fact_count_by_word) / 2
+    difference_score += (
+        _weight_by_rarity(fact.name_words & passage_words.adjacent_words, fact_count_by_word) * _WEIGHT_NEXT_TO_CHANGE
     )
-    paragraph_value_share = _share_near_passage(fact.words, passage_words.paragraph, passage_words.section, fact_counts)
+    paragraph_name_share = _share_near_passage(
+        fact.name_words, passage_words.paragraph_words, passage_words.section_words, fact_count_by_word
+    )
+    paragraph_value_share = _share_near_passage(
+        fact.value_words, passage_words.paragraph_words, passage_words.section_words, fact_count_by_word
+    )
     # If the section contains words of the name elsewhere, the paragraph may be about a different item.
-    is_named_elsewhere = bool((fact.name_words & passage_words.section) - passage_words.paragraph)
+    is_named_elsewhere = bool((fact.name_words & passage_words.section_words) - passage_words.paragraph_words)
     if is_named_elsewhere and not difference_score and not paragraph_value_share:
         return 0
-    row_name_share = _share_near_passage(fact.name_words, passage_words.row, passage_words.section, fact_counts)
-    row_value_share = _share_near_passage(fact.words, passage_words.row, passage_words.section, fact_counts)
-    if fact.words & passage_words.differing:
+    row_name_share = _share_near_passage(
+        fact.name_words, passage_words.row_words, passage_words.section_words, fact_count_by_word
+    )
+    row_value_share = _share_near_passage(
+        fact.value_words, passage_words.row_words, passage_words.section_words, fact_count_by_word
+    )
+    if fact.value_words & passage_words.differing_words:
         # The value differs in a row with the name of the fact.
         difference_score += row_name_share
     row_score = _WEIGHT_OF_ROW * (row_name_share + row_value_share)
     paragraph_score = paragraph_name_share + paragraph_value_share
-    return passage_words.weight * difference_score + row_score + paragraph_score
+    return passage_words.difference_weight * difference_score + row_score + paragraph_score
 
 
 def _comparable_words(words: Iterable[str]) -> set[str]:
@@ -388,20 +396,20 @@ def _numbers_in(words: Iterable[str]) -> set[str]:
     return {word for word in _comparable_words(words) if word[0].isdigit()}
 
 
-def _weight_by_rarity(words: Set[str], fact_counts: Mapping[str, int]) -> float:
+def _weight_by_rarity(words: Set[str], fact_count_by_word: Mapping[str, int]) -> float:
     """Return the sum of the weights of words. The weight is 1 divided by the number of facts that contain the word."""
-    return sum(1 / fact_counts[word] for word in words)
+    return sum(1 / fact_count_by_word[word] for word in words)
 
 
 def _share_near_passage(
-    words: frozenset[str], near: set[str], section: set[str], fact_counts: Mapping[str, int]
+    words: frozenset[str], nearby_words: set[str], section_words: set[str], fact_count_by_word: Mapping[str, int]
 ) -> float:
     """Return the share of a fact's words that are near a passage, weighted by rarity, from 0 to 1.
 
     Words that do not occur in the section are ignored, because the manual may use different words.
     """
-    words_in_section = words & section
-    rarity_in_section = _weight_by_rarity(words_in_section, fact_counts)
+    words_in_section = words & section_words
+    rarity_in_section = _weight_by_rarity(words_in_section, fact_count_by_word)
     if not rarity_in_section:
         return 0
-    return _weight_by_rarity(words_in_section & near, fact_counts) / rarity_in_section
+    return _weight_by_rarity(words_in_section & nearby_words, fact_count_by_word) / rarity_in_section

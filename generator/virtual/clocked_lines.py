@@ -223,6 +223,7 @@ class BissLine(ByLevels):
             try:
                 return self._control_frame.send(cdm)
             except StopIteration as end_of_frame:
+                # The generator returns the last CDS bit of the control frame.
                 self._control_frame = None
                 return int(end_of_frame.value)
         elif cdm and may_start:

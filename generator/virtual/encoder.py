@@ -58,19 +58,19 @@ class VirtualEncoder:
         edition: str = "",
         specs: Iterable[str | Path] = (),
     ) -> None:
-        self.device, match = find_order_code(order_code, tuple(map(Path, specs)), edition)
+        self.device, label_match = find_order_code(order_code, tuple(map(Path, specs)), edition)
         self.answers = dict(choose or {})
-        self._check_answers(match.variant)
-        self.variant = with_answers(self.device, match.variant, self.answers)
+        self._check_answers(label_match.variant)
+        self.variant = with_answers(self.device, label_match.variant, self.answers)
         #: Layouts as placed for a variant, by name.
-        self._placed_for = self.variant
+        self._variant_of_placed_layouts = self.variant
         self._placed_layouts: dict[str, PlacedLayout] = {}
         self.position = position
         self.faults = Faults(self.variant.interface, faults, seed)
         self.flags: set[str] = set()
         self._offset = 0
         self._off_until = self._busy_until = 0.0
-        self._instant: float | None = None
+        self._frame_time: float | None = None
         started = monotonic()
         self.clock = clock or (lambda: monotonic() - started)
         self.memory = Memory(self, registers or {})
@@ -168,7 +168,7 @@ class VirtualEncoder:
     def raw_position(self) -> int:
         """Return the current position of the shaft, without the effect of presets and resets."""
         if callable(self.position):
-            return int(self.position(self._read_clock()))
+            return int(self.position(self._frame_time_or_now()))
         return int(self.position)
 
     def set_position(self, value: int) -> None:
@@ -233,7 +233,7 @@ class VirtualEncoder:
 
     def is_busy(self) -> bool:
         """Return whether the encoder is busy, after power-on or during a reset."""
-        return self._read_clock() < self._busy_until
+        return self._frame_time_or_now() < self._busy_until
 
     @property
     def reports_busy(self) -> bool:
@@ -250,12 +250,12 @@ class VirtualEncoder:
 
         ``request_values`` are the values of fields that depend on the request of the master, by name.
         """
-        self._instant = self.clock()  # All fields of the frame use this time.
+        self._frame_time = self.clock()  # All fields of the frame use this time.
         try:
             values = self._collect_values(layout, request_values or {})
             return codec.encode(self.device, self.place(layout), values)
         finally:
-            self._instant = None
+            self._frame_time = None
 
     def frame_of_another(self, layout: Layout, request_values: Mapping[str, int | str | bool]) -> int:
         """Return the frame of a second encoder of this kind, whose position differs by half of all positions."""
@@ -269,8 +269,8 @@ class VirtualEncoder:
     def place(self, layout: Layout) -> PlacedLayout:
         """Return the positions and widths of the fields of a layout, for the current parameters of the encoder."""
         # A write to a register can change parameters, and then replaces ``variant``.
-        if self._placed_for is not self.variant:
-            self._placed_for = self.variant
+        if self._variant_of_placed_layouts is not self.variant:
+            self._variant_of_placed_layouts = self.variant
             self._placed_layouts = {}
         if layout.name not in self._placed_layouts:
             self._placed_layouts[layout.name] = layout.place(self.variant.parameters)
@@ -302,9 +302,9 @@ class VirtualEncoder:
         has_error_in_register = not self.flags.isdisjoint(self._alarms_in_registers)
         return field.name == error_flag and has_error_in_register
 
-    def _read_clock(self) -> float:
+    def _frame_time_or_now(self) -> float:
         """Return the time. The time does not advance while a frame is built, so that its fields are consistent."""
-        return self.clock() if self._instant is None else self._instant
+        return self.clock() if self._frame_time is None else self._frame_time
 
     def _collect_values(
         self, layout: Layout, request_values: Mapping[str, int | str | bool]
@@ -314,7 +314,7 @@ class VirtualEncoder:
         A value comes from the first of these sources that has it: the request, the position, the active flags, and the
         manual. A field without any of them has a valid value, such as 0.
         """
-        position_bits = self.parts_now(layout) | self._compared_parts(layout)
+        position_bits = self.parts_now(layout) | self._bits_of_compared_field(layout)
         values: dict[str, int | str | bool] = {}
         for placed_field in self.place(layout).fields:
             name = placed_field.name
@@ -335,29 +335,31 @@ class VirtualEncoder:
                 values[name] = field.kind.value_at_rest
         return values
 
-    def _compared_parts(self, layout: Layout) -> dict[str, int]:
+    def _bits_of_compared_field(self, layout: Layout) -> dict[str, int]:
         """Return the bits of the field in ``layout`` that a master compares with the position in another data channel.
 
         The key is the name of the field. The map is empty for a layout without such a field, and for the layout with
         the position itself.
         """
-        frame = channel_frame(self.device.interface(self.variant.interface))
+        frame_of_channels = channel_frame(self.device.interface(self.variant.interface))
         position_layout = self._position_layout
-        if frame is None or position_layout is None or layout is position_layout:
+        if frame_of_channels is None or position_layout is None or layout is position_layout:
             return {}
-        name_by_layout = {compared.layout.name: compared.name for compared in frame.compared}
+        name_by_layout = {
+            compared_field.layout.name: compared_field.name for compared_field in frame_of_channels.compared
+        }
         are_both_compared = {layout.name, position_layout.name} <= name_by_layout.keys()
         if not are_both_compared:
             return {}
-        name = name_by_layout[layout.name]
-        position_name = name_by_layout[position_layout.name]
-        width = self.place(layout).field(name).width
-        position_width = self.place(position_layout).field(position_name).width
-        position_bits = self.parts_now(position_layout)[position_name]
+        field_name = name_by_layout[layout.name]
+        position_field_name = name_by_layout[position_layout.name]
+        width = self.place(layout).field(field_name).width
+        position_width = self.place(position_layout).field(position_field_name).width
+        position_bits = self.parts_now(position_layout)[position_field_name]
         # The highest bits of both fields are equal. In the wider field, the position is followed by zeros.
         if width > position_width:
-            return {name: position_bits << (width - position_width)}
-        return {name: position_bits >> (position_width - width)}
+            return {field_name: position_bits << (width - position_width)}
+        return {field_name: position_bits >> (position_width - width)}
 
     @property
     def _position_layout(self) -> Layout | None:
@@ -419,13 +421,13 @@ class VirtualEncoder:
         Raises:
             ValueError: An answer is unknown or missing.
         """
-        options: list[str] = []
+        possible_options: list[str] = []
         for alternative in self.device.alternatives:
-            options += [f"{alternative.name}={answer.name}" for answer in alternative.answers]
-        for name, answer_name in self.answers.items():
-            chosen_option = f"{name}={answer_name}"
-            if chosen_option not in options:
-                options_text = " or ".join(options) or "none"
+            possible_options += [f"{alternative.name}={answer.name}" for answer in alternative.answers]
+        for question_name, answer_name in self.answers.items():
+            chosen_option = f"{question_name}={answer_name}"
+            if chosen_option not in possible_options:
+                options_text = " or ".join(possible_options) or "none"
                 raise ValueError(f"'{chosen_option}' answers no question of {variant.code}; write {options_text}")
         for layout in self.device.interface(variant.interface).layouts:
             if self.device.sends_position(variant.interface, layout):

@@ -68,18 +68,20 @@ class Memory:
         for register in self.registers.values():
             self._apply_to_parameters(register)
 
-    def _set_initial_bytes(self, name: str, data: bytes) -> None:
+    def _set_initial_bytes(self, register_name: str, data: bytes) -> None:
         """Set the bytes of a register, in ascending order of address.
 
         Raises:
             ValueError: There is no such register, or it has a different length.
         """
-        register = self.registers.get(name)
+        register = self.registers.get(register_name)
         if register is None or len(data) != register.length:
-            names_and_lengths = [f"{known.name} ({known.length})" for known in self.registers.values()]
+            names_and_lengths = [
+                f"{known_register.name} ({known_register.length})" for known_register in self.registers.values()
+            ]
             registers_text = ", ".join(names_and_lengths) or "none"
-            raise ValueError(f"no register '{name}' of {len(data)} bytes; the registers are: {registers_text}")
-        self._bytes[name][:] = data
+            raise ValueError(f"no register '{register_name}' of {len(data)} bytes; the registers are: {registers_text}")
+        self._bytes[register_name][:] = data
 
     def value(self, name: str) -> int:
         """Return the number that a register holds."""
@@ -234,15 +236,15 @@ class Memory:
         """
         if not register.opened_by:
             return True
-        opener = self.registers[register.opened_by]
-        opening_field = opener.layout.fields[0]
+        opening_register = self.registers[register.opened_by]
+        opening_field = opening_register.layout.fields[0]
         if register.opened_by_field:
-            opening_field = opener.layout.field(register.opened_by_field)
-        placed_field = self._encoder.place(opener.layout).find_field(opening_field.name)
+            opening_field = opening_register.layout.field(register.opened_by_field)
+        placed_field = self._encoder.place(opening_register.layout).find_field(opening_field.name)
         if placed_field is None:
             return False
         opening_value = opening_field.value_named(register.opened_by_value).value
-        current_value = bits_of_field(placed_field, self.value(opener.name))
+        current_value = bits_of_field(placed_field, self.value(opening_register.name))
         return current_value == opening_value
 
     def _react_to_write(self, register: Register) -> None:

@@ -83,14 +83,14 @@ class Rs485Line:
         self.encoder, self.interface = encoder, interface
         self._data_id_by_control = {data_id.control: data_id for data_id in interface.data_ids}
         #: Bytes of a request that is not complete, and the time at which the last of them came.
-        self._received = b""
+        self._received_bytes = b""
         self._received_at = 0.0
         #: The fault "low" or "high" of the line, and its end.
-        self._outage = ""
-        self._outage_until = 0.0
+        self._line_fault = ""
+        self._line_fault_until = 0.0
         #: Replies with the times at which they arrive, in order, and the time of the last reply without extra replies.
         self._arrivals: list[tuple[float, bytes]] = []
-        self._last_due = 0.0
+        self._last_reply_due = 0.0
         self._sent_resets = _NO_RESETS
         self._eeprom: dict[int, int] = {}
         self._memory_busy_until = 0.0
@@ -100,15 +100,15 @@ class Rs485Line:
         now = self.encoder.clock()
         is_after_pause = now - self._received_at > GAP_S
         if is_after_pause:
-            self._received = b""  # An incomplete request is discarded.
+            self._received_bytes = b""  # An incomplete request is discarded.
         self._received_at = now
-        self._received += data
-        while self._received:
+        self._received_bytes += data
+        while self._received_bytes:
             request = self._first_request()
             if request is None:
                 return
-            request_bytes = self._received[: request.length]
-            self._received = self._received[request.length :]
+            request_bytes = self._received_bytes[: request.length]
+            self._received_bytes = self._received_bytes[request.length :]
             if request.values is not None and not self.encoder.is_off():
                 self._answer_request(request.data_id, request_bytes, request.values, request.reply)
 
@@ -119,20 +119,20 @@ class Rs485Line:
         """
         has_data_ids = bool(self._data_id_by_control)
         request_formats = self._formats_by_data_id() if has_data_ids else self._formats_of_exchanges()
-        longest_length = 0
+        longest_byte_count = 0
         for request_format in request_formats:
             placed_layout = self.encoder.place(request_format.layout)
-            length = placed_layout.bits // 8
-            longest_length = max(longest_length, length)
-            if len(self._received) < length:
+            byte_count = placed_layout.bits // 8
+            longest_byte_count = max(longest_byte_count, byte_count)
+            if len(self._received_bytes) < byte_count:
                 continue
-            decoded = codec.decode_placed(self.encoder.device, placed_layout, self._received[:length])
+            decoded = codec.decode_placed(self.encoder.device, placed_layout, self._received_bytes[:byte_count])
             values = None if decoded.problems else decoded.values
             is_accepted = values is not None and self._is_for_this_encoder(request_format.layout, values)
             # The data ID alone identifies the request. An invalid request with a data ID is discarded as a whole.
             if has_data_ids or is_accepted:
-                return _ReceivedRequest(length, values, data_id=request_format.data_id, reply=request_format.reply)
-        is_incomplete = len(self._received) < longest_length
+                return _ReceivedRequest(byte_count, values, data_id=request_format.data_id, reply=request_format.reply)
+        is_incomplete = len(self._received_bytes) < longest_byte_count
         if is_incomplete:
             return None
         return _ReceivedRequest(length=1, values=None, data_id=None, reply=None)
@@ -143,7 +143,7 @@ class Rs485Line:
         The list is empty if no data ID has this byte, or if the manual leaves open how to decode the request and the
         user gave no answer.
         """
-        data_id = self._data_id_by_control.get(self._received[0])
+        data_id = self._data_id_by_control.get(self._received_bytes[0])
         layout = self._layout_with(data_id, sender="master") if data_id is not None else None
         if data_id is None or layout is None or self.encoder.needs_answer(layout):
             return []
@@ -206,7 +206,7 @@ class Rs485Line:
             encoder.be_busy(BUSY_S)
             self._memory_busy_until = max(self._memory_busy_until, now + BUSY_S)
         if fault in ("low", "high"):
-            self._outage, self._outage_until = fault, now + OUTAGE_S
+            self._line_fault, self._line_fault_until = fault, now + OUTAGE_S
         reply, other_reply = self._compute_replies(data_id, values, layout, is_second=fault == "second")
         if fault == "restart":
             encoder.restart()
@@ -214,17 +214,17 @@ class Rs485Line:
         is_silent = encoder.is_busy() and not encoder.reports_busy
         if reply and not is_silent:
             reply_bytes = faults.damaged(fault, reply, request)
-            if now < self._outage_until:
+            if now < self._line_fault_until:
                 # A line that stays high is idle, so no bytes arrive.
                 zeros = bytes(len(reply))
-                reply_bytes = zeros if self._outage == "low" else b""
+                reply_bytes = zeros if self._line_fault == "low" else b""
             delay = faults.random.uniform(*_LATE_BY_S) if fault == "late" else 0.0
             # Replies arrive in the order of the requests, but an extra reply can arrive before or after the next one.
-            self._last_due = max(now + delay, self._last_due)
-            self._schedule_bytes(self._last_due, reply_bytes)
+            self._last_reply_due = max(now + delay, self._last_reply_due)
+            self._schedule_bytes(self._last_reply_due, reply_bytes)
             if fault in ("repeated", "second"):
                 extra_reply = reply if fault == "repeated" else other_reply
-                self._schedule_bytes(self._last_due + faults.gap_s(), extra_reply)
+                self._schedule_bytes(self._last_reply_due + faults.gap_s(), extra_reply)
         if fault == "brownout":
             encoder.restart()
 
@@ -234,27 +234,32 @@ class Rs485Line:
         del self._arrivals[:-_MOST_REPLIES]
 
     def _compute_replies(
-        self, data_id: DataId | None, values: dict[str, int | str | bool], layout: Layout | None, *, is_second: bool
+        self,
+        data_id: DataId | None,
+        values: dict[str, int | str | bool],
+        reply_layout: Layout | None,
+        *,
+        is_second: bool,
     ) -> tuple[bytes, bytes]:
         """Execute a request, and return the reply of the encoder and the reply of a second encoder.
 
         Both replies are the same unless ``is_second`` is true. If there is no layout for the reply, or the manual
         leaves open how to encode it, both are empty, and the request is ignored.
         """
-        if layout is None or self.encoder.needs_answer(layout):
+        if reply_layout is None or self.encoder.needs_answer(reply_layout):
             return b"", b""
         request_values = {name: value for name, value in values.items() if name != codec.UNUSED}
         if data_id is not None and data_id.purpose in ("read", "write"):
-            memory = self._access_memory(data_id, layout, request_values)
-            if memory is None:
+            memory_values = self._access_memory(data_id, reply_layout, request_values)
+            if memory_values is None:
                 return b"", b""
-            request_values |= memory
-        frame = self.encoder.frame(layout, request_values)
-        other_frame = self.encoder.frame_of_another(layout, request_values) if is_second else frame
-        bits = self.encoder.place(layout).bits
+            request_values |= memory_values
+        frame = self.encoder.frame(reply_layout, request_values)
+        other_frame = self.encoder.frame_of_another(reply_layout, request_values) if is_second else frame
+        bit_count = self.encoder.place(reply_layout).bits
         if data_id is not None:
             self._count_reset_request(data_id)
-        return number_to_bytes(layout, frame, bits), number_to_bytes(layout, other_frame, bits)
+        return number_to_bytes(reply_layout, frame, bit_count), number_to_bytes(reply_layout, other_frame, bit_count)
 
     def _access_memory(
         self, data_id: DataId, layout: Layout, request_values: dict[str, int | str | bool]

@@ -8,7 +8,6 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
-from math import isfinite, nan
 from pathlib import Path
 from typing import Protocol
 
@@ -207,15 +206,16 @@ def _parse_fault(interface: str, text: str) -> tuple[str, float]:
         ValueError: There is no such fault, the interface cannot have it, or the rate is not from 0 to 1.
     """
     name, _, rate_text = text.partition(":")
+    possible_names = ", ".join(faults_of(interface))
+    advice = f"write a name and a rate from 0 to 1, such as flip:1e-3: {possible_names}"
+    not_a_fault = ValueError(f"'{text}' is not a fault; {advice}")
     try:
         rate = float(rate_text) if rate_text else 1.0  # Without a rate, every reply has the fault.
     except ValueError:
-        rate = nan  # It is not valid, and is rejected below.
-    possible_names = ", ".join(faults_of(interface))
-    is_valid_rate = isfinite(rate) and 0 <= rate <= 1
+        raise not_a_fault from None
+    is_valid_rate = 0 <= rate <= 1  # This is also false for "nan".
     if name not in FAULTS or not is_valid_rate:
-        advice = f"write a name and a rate from 0 to 1, such as flip:1e-3: {possible_names}"
-        raise ValueError(f"'{text}' is not a fault; {advice}")
+        raise not_a_fault
     if interface not in FAULTS[name]:
         interface_name = INTERFACES[interface].short
         raise ValueError(f"{interface_name} cannot have the fault '{name}'; it can have: {possible_names}")

@@ -70,9 +70,10 @@ def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
     # The name of the number that is the position. Fields can be parts of it.
     position_name = measurement.position_name if measurement is not None else "position"
     for layout in sent_layouts:
+        if name and layout.name == name:
+            return layout
         has_whole_position = position_name in layout.member_names
-        is_wanted = layout.name == name if name else has_whole_position
-        if is_wanted:
+        if not name and has_whole_position:
             return layout
     known_names = ", ".join(layout.name for layout in sent_layouts)
     raise ValueError(f"{encoder.variant.code} has no frame '{name}'; it has: {known_names}")

@@ -22,9 +22,9 @@ def rebuilt(old: list[str], new: list[str]) -> list[str]:
     words: list[str] = []
     end = 0
     for ranges in differing_ranges(old, new):
-        assert ranges.low >= end
-        words += old[end : ranges.low] + new[ranges.new_low : ranges.new_high]
-        end = ranges.high
+        assert ranges.old_start >= end
+        words += old[end : ranges.old_start] + new[ranges.new_start : ranges.new_end]
+        end = ranges.old_end
     return words + old[end:]
 
 
@@ -58,5 +58,5 @@ def test_texts_in_which_everything_differs_end_in_seconds() -> None:
 def test_two_paragraphs_that_change_places_stay_aligned_on_one_side() -> None:
     old = random_words(20_000, 3)
     moved = old[10_000:] + old[:10_000]
-    differing = sum(ranges.high - ranges.low for ranges in differing_ranges(old, moved))
+    differing = sum(ranges.old_end - ranges.old_start for ranges in differing_ranges(old, moved))
     assert differing == 10_000

@@ -178,7 +178,7 @@ def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") 
 
     lines = [problem.format() for problem in report.shown]
     lines += placeholder_lines(report.files)
-    lines.append(read_line(families, report))
+    lines.append(specs_read_line(families, report))
     if report:
         lines.append(count_with_unit(len(report.by_cause), "problem"))
     elif families:
@@ -209,7 +209,7 @@ def _review_finding(problem: Problem) -> ReviewFinding:
 _MAX_FILES = 8
 
 
-def read_line(
+def specs_read_line(
     families: Iterable[str], report: ProblemReport, packaged: Sequence[str] = (), packaged_files: Sequence[Path] = ()
 ) -> str:
     """Return a line that names the specs that were read, so that users notice a forgotten path.
@@ -220,14 +220,14 @@ def read_line(
     skipped_files = [file for file in report.passed_over if file not in report.files]
     skipped_text = f"; skipped: {first_of(skipped_files, _MAX_FILES)}" if skipped_files else ""
     if packaged:
-        packaged_text = _packaged_text(families, report, packaged, packaged_files)
+        packaged_text = _packaged_specs_text(families, report, packaged, packaged_files)
         return f"{packaged_text}{skipped_text}"
     number_of_specs = count_with_unit(len(report.files), "spec")
     listed_files = first_of(report.files, _MAX_FILES)
     return f"read {number_of_specs}: {listed_files}{skipped_text}"
 
 
-def _packaged_text(
+def _packaged_specs_text(
     families: Iterable[str], report: ProblemReport, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
     """Return a text on the packaged families and the user's specs that were read.

@@ -220,15 +220,15 @@ def _class_data(fact_class: FactClass, times_read: TimesRead) -> dict[str, Any]:
     return asdict(times_read) | {"needed": fact_class.is_needed}
 
 
-def _fact_data(family_coverage: Coverage, fact_class: FactClass, place: SpecPath) -> dict[str, Any]:
+def _fact_data(family_coverage: Coverage, fact_class: FactClass, fact_path: SpecPath) -> dict[str, Any]:
     """Return the data about a fact that was read only once."""
     spec = family_coverage.spec
-    line_number, _ = spec.position(place)
+    line_number, _ = spec.position(fact_path)
     return {
         "class": fact_class.value,
         "file": spec.file,
         "line": line_number,
-        "path": spec.name_path(place),
+        "path": spec.name_path(fact_path),
         "needed": fact_class.is_needed,
     }
 
@@ -247,7 +247,7 @@ def as_text(covered: Sequence[Coverage], checked: CheckedSpecs) -> str:
         lines += [_table_line(name, astuple(times_read)) for name, times_read in _rows_of_table(covered)]
     if uncovered_names:
         lines.append(f"not read twice: {', '.join(uncovered_names)}")
-    return "\n".join([*lines, *_lacking_lines(covered)])
+    return "\n".join([*lines, *_second_reading_lines(covered)])
 
 
 def _rows_of_table(covered: Sequence[Coverage]) -> Iterator[tuple[str, TimesRead]]:
@@ -270,7 +270,7 @@ def _table_line(name: str, cells: Sequence[object]) -> str:
     return f"{name:<17}{columns}"
 
 
-def _lacking_lines(covered: Sequence[Coverage]) -> list[str]:
+def _second_reading_lines(covered: Sequence[Coverage]) -> list[str]:
     """Return a line for each fact that needs a second reading, and a line with their number."""
     lines = []
     for family_coverage in covered:

@@ -49,38 +49,40 @@ def _represent_hexadecimal(dumper: _Dumper, number: _Hexadecimal) -> yaml.Scalar
 _Dumper.add_representer(_Hexadecimal, _represent_hexadecimal)
 
 
-def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Change]) -> Iterator[str]:
+def edition_entries(
+    old_families: Sequence[Family], new_families: Sequence[Family], changes: Sequence[Change]
+) -> Iterator[str]:
     """Yield an ``editions`` entry for each family whose manual has a new edition that no longer contains some items.
 
     The entry keeps these items for older encoders. Families are matched by name. Renamed items were not removed, except
     options of the order code, because the labels of older encoders have the old text.
     """
     renamings = [change for change in changes if change.rule.is_renaming and isinstance(change.old, str)]
-    old_families = {family.device.name: family for family in olds}
-    for new in news:
-        old = old_families.get(new.device.name)
+    old_family_by_name = {family.device.name: family for family in old_families}
+    for new in new_families:
+        old = old_family_by_name.get(new.device.name)
         if old is None or old.device.manual.revision == new.device.manual.revision:
             continue
-        renamed_places = {_old_place(change) for change in renamings if change.family == new.device.name}
-        edition_changes = list(_edition_changes(old, new, renamed_places))
+        renamed_paths = {_old_path(change) for change in renamings if change.family == new.device.name}
+        edition_changes = list(_edition_changes(old, new, renamed_paths))
         if edition_changes:
             lines = [*_lines_of_missing_history(old, new), *_lines_of_entry(new, edition_changes)]
             yield "\n".join(lines)
 
 
-def _old_place(renaming: Change) -> str:
+def _old_path(renaming: Change) -> str:
     """Return the path of a renamed item in the old spec: ``registers.mode`` if ``registers.state`` was called mode."""
     place_of_owner, _, _ = renaming.path.rpartition(".")
     return f"{place_of_owner}.{renaming.old}"
 
 
-def _place_in_changes(place: str, removed_node: Any) -> str:
+def _path_in_changes(dotted_path: str, removed_node: Any) -> str:
     """Return the path of a removed item in the notation of changes, without some keys: ``registers.mode.busy``.
 
-    For an item of a list, ``place`` is the list, and the item itself contains its name. For a value of a map, ``place``
-    includes its name.
+    For an item of a list, ``dotted_path`` is the list, and the item itself contains its name. For a value of a map, the
+    path includes its name.
     """
-    *owner_steps, last_step = map(str, steps_of(place))
+    *owner_steps, last_step = map(str, steps_of(dotted_path))
     name_in_list = label_of(removed_node)
     if name_in_list is not None:
         owner_steps.append(last_step)
@@ -138,11 +140,11 @@ def _lines_of_entry(new_family: Family, edition_changes: Iterable[Mapping[str, A
 
 
 def _edition_changes(
-    old_family: Family, new_family: Family, renamed_places: Container[str]
+    old_family: Family, new_family: Family, renamed_paths: Container[str]
 ) -> Iterator[Mapping[str, Any]]:
     """Yield the changes that lead from the new edition back to the old one, in the form of an overlay's changes.
 
-    Each removed item is added again: ``{"add": place, "value": item, "why": reason, "source": source}``. If options of
+    Each removed item is added again: ``{"add": path, "value": item, "why": reason, "source": source}``. If options of
     the order code are among them, the changes that follow from them come last.
     """
     old_data, new_data = old_family.document.data, new_family.document.data
@@ -150,14 +152,14 @@ def _edition_changes(
     reason = f"Edition {old_revision} has it, edition {new_revision} does not"
     first_option_source = ""
     removed_options: list[tuple[str, Any]] = []
-    for place, removed_node in _removed_nodes(old_data, new_data, place=""):
-        if _place_in_changes(place, removed_node) in renamed_places:
+    for dotted_path, removed_node in _removed_nodes(old_data, new_data, dotted_path=""):
+        if _path_in_changes(dotted_path, removed_node) in renamed_paths:
             continue
-        source = _source_of_removed(old_data, place, removed_node)
-        yield {"add": place, "value": removed_node, "why": reason, "source": source}
-        if _OPTION_PATH.fullmatch(place):
+        source = _source_of_removed(old_data, dotted_path, removed_node)
+        yield {"add": dotted_path, "value": removed_node, "why": reason, "source": source}
+        if _OPTION_PATH.fullmatch(dotted_path):
             first_option_source = first_option_source or source
-            removed_options.append((place, removed_node))
+            removed_options.append((dotted_path, removed_node))
     if removed_options:
         yield from _order_code_changes(old_family, new_family, removed_options, first_option_source)
 
@@ -173,28 +175,33 @@ def _order_code_changes(
     old_data, new_data = old_family.document.data, new_family.document.data
     old_revision, new_revision = old_family.device.manual.revision, new_family.device.manual.revision
     new_labels: list[str] = []
-    for place, removed_option in removed_options:
-        new_labels += _new_labels(place, removed_option, old_data, new_data)
-    for place in new_labels:
-        yield {"remove": place, "why": f"Edition {new_revision} has this label for it", "source": source}
-    new_codes = {variant.code for variant in new_family.device.variants if _selects_any(variant, new_labels)}
+    for dotted_path, removed_option in removed_options:
+        new_labels += _new_labels(dotted_path, removed_option, old_data, new_data)
+    for dotted_path in new_labels:
+        yield {"remove": dotted_path, "why": f"Edition {new_revision} has this label for it", "source": source}
+    new_codes = {variant.code for variant in new_family.device.variants if _has_any_option(variant, new_labels)}
     old_examples = {example["name"] for example in old_data.get("examples", ())}
     for example in new_data.get("examples", ()):
         if example["name"] not in old_examples and example.get("order_code") in new_codes:
             reason = f"Edition {old_revision} does not have its order code"
             yield {"remove": f"examples.{example['name']}", "why": reason, "source": source}
-    for place, old_reference in _changed_references(old_data, new_data, place=""):
-        yield {"set": place, "to": old_reference, "why": f"Order codes of edition {old_revision}", "source": source}
+    for dotted_path, old_reference in _changed_references(old_data, new_data, dotted_path=""):
+        yield {
+            "set": dotted_path,
+            "to": old_reference,
+            "why": f"Order codes of edition {old_revision}",
+            "source": source,
+        }
 
 
-def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
+def _source_of_removed(data: Any, dotted_path: str, removed_node: Any) -> str:
     """Return the citation of a removed item if it names a document (``doc: 2.1``), or ``Document release``.
 
     A section of the old edition is not in the new one, but its table of releases says what changed.
     """
     nodes_on_path = []
     node = data
-    for step in steps_of(place):
+    for step in steps_of(dotted_path):
         if isinstance(node, list):
             node = {label_of(child): child for child in node}
         node = node.get(step, {}) if isinstance(node, dict) else {}
@@ -208,20 +215,20 @@ def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
     return source if cites_other_document else "Document release"
 
 
-def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -> Iterator[str]:
+def _new_labels(dotted_path: str, removed_option: Any, old_data: Any, new_data: Any) -> Iterator[str]:
     """Yield the place of the first new option of the order code that is a removed option with a different label.
 
     Both select the same interface, parameters and supply. If there is no such option, nothing is yielded.
     """
-    options_place, _, _ = place.rpartition(".")
-    old_options = value_at(old_data, resolve(old_data, options_place))
-    new_options = value_at(new_data, resolve(new_data, options_place))
+    options_path, _, _ = dotted_path.rpartition(".")
+    old_options = value_at(old_data, resolve(old_data, options_path))
+    new_options = value_at(new_data, resolve(new_data, options_path))
     # With ``--lenient``, a faulty spec can contain anything in place of a map.
     if not isinstance(new_options, dict):
         return
     for label, new_option in new_options.items():
         if label not in old_options and _selection_of_option(new_option) == _selection_of_option(removed_option):
-            yield f"{options_place}.{label}"
+            yield f"{options_path}.{label}"
             return
 
 
@@ -236,77 +243,77 @@ def _selection_of_option(option: Any) -> Mapping[str, Any]:
     return selects or {"meaning": option.get("meaning")}
 
 
-def _selects_any(variant: Variant, option_places: Iterable[str]) -> bool:
+def _has_any_option(variant: Variant, option_paths: Iterable[str]) -> bool:
     """Return whether an order code has one of these options, such as ``order_code.parts.output.values.B``."""
-    for option_place in option_places:
-        option = _OPTION_PATH.fullmatch(option_place)
-        if option is not None and variant.parts.get(option["part"]) == option["label"]:
+    for option_path in option_paths:
+        option_match = _OPTION_PATH.fullmatch(option_path)
+        if option_match is not None and variant.parts.get(option_match["part"]) == option_match["label"]:
             return True
     return False
 
 
-def _changed_references(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[str, Any]]:
+def _changed_references(old_node: Any, new_node: Any, dotted_path: str) -> Iterator[tuple[str, Any]]:
     """Yield the places at which two specs refer to different order codes, with the value in the old spec.
 
-    ``old_node`` and ``new_node`` are the nodes of the specs at ``place``, which is "" for the whole specs.
+    ``old_node`` and ``new_node`` are the nodes of the specs at ``dotted_path``, which is "" for the whole specs.
     """
     if isinstance(old_node, dict) and isinstance(new_node, dict):
         common_keys = [key for key in old_node if key in new_node]
         for key in common_keys:
-            child_place = f"{place}.{key}".removeprefix(".")
+            child_path = f"{dotted_path}.{key}".removeprefix(".")
             old_child, new_child = old_node[key], new_node[key]
             # Of the sections that editions do not describe, only the examples name order codes.
-            is_section_without_references = not place and key in _NOT_IN_EDITIONS - {"examples"}
-            if not _is_reference(place, key):
+            is_section_without_references = not dotted_path and key in _NOT_IN_EDITIONS - {"examples"}
+            if not _is_reference(dotted_path, key):
                 if not is_section_without_references:
-                    yield from _changed_references(old_child, new_child, child_place)
+                    yield from _changed_references(old_child, new_child, child_path)
             elif old_child != new_child:
-                yield child_place, old_child
+                yield child_path, old_child
     elif isinstance(old_node, list) and isinstance(new_node, list):
         old_children = {label_of(child): child for child in old_node}
         for index, new_child in enumerate(new_node):
             name = label_of(new_child)
             if name is not None:
-                yield from _changed_references(old_children.get(name), new_child, f"{place}.{name}")
+                yield from _changed_references(old_children.get(name), new_child, f"{dotted_path}.{name}")
             elif index < len(old_node):
                 # Items without names are compared by their order.
-                yield from _changed_references(old_node[index], new_child, f"{place}[{index + 1}]")
+                yield from _changed_references(old_node[index], new_child, f"{dotted_path}[{index + 1}]")
 
 
-def _is_reference(place: str, key: str) -> bool:
+def _is_reference(dotted_path: str, key: str) -> bool:
     """Return whether the value of a key at a place names order codes or their options.
 
     ``only`` at ``registers.bank`` does, for example. Top-level keys, whose place is empty, name none.
     """
-    is_top_level = not place
-    is_spelling = key == "values" and "also_written" in place
+    is_top_level = not dotted_path
+    is_spelling = key == "values" and "also_written" in dotted_path
     return not is_top_level and (key in _KEYS_OF_REFERENCES or is_spelling)
 
 
-def _removed_nodes(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[str, Any]]:
+def _removed_nodes(old_node: Any, new_node: Any, dotted_path: str) -> Iterator[tuple[str, Any]]:
     """Yield the named items of a spec that are not in the new spec, each with the place to add it to.
 
     For an item of a list, this is the list: ``registers``. For a value in a map whose keys are names, it includes the
     key: ``parameters.bits``. Any other key that is missing may have been left out deliberately, so it does not count.
-    ``place`` is the place of both nodes, and is "" for the whole specs.
+    ``dotted_path`` is the place of both nodes, and is "" for the whole specs.
     """
     if isinstance(old_node, dict) and isinstance(new_node, dict):
-        _, _, key_of_map = place.rpartition(".")
+        _, _, key_of_map = dotted_path.rpartition(".")
         has_names_as_keys = key_of_map in _NAMED_MAPS
         for key, old_child in old_node.items():
-            child_place = f"{place}.{key}".removeprefix(".")
+            child_path = f"{dotted_path}.{key}".removeprefix(".")
             if key in new_node and key not in _NOT_IN_EDITIONS:
-                yield from _removed_nodes(old_child, new_node[key], child_place)
+                yield from _removed_nodes(old_child, new_node[key], child_path)
             elif key not in new_node and has_names_as_keys:
-                yield child_place, old_child
+                yield child_path, old_child
     elif isinstance(old_node, list) and isinstance(new_node, list):
         new_children = {label_of(child): child for child in new_node}
         for old_child in old_node:
             name = label_of(old_child)
             if name in new_children:
-                yield from _removed_nodes(old_child, new_children[name], f"{place}.{name}")
+                yield from _removed_nodes(old_child, new_children[name], f"{dotted_path}.{name}")
             elif name is not None:
-                yield place, old_child
+                yield dotted_path, old_child
 
 
 def _as_yaml_line(node: Any) -> str:

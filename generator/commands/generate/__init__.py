@@ -123,7 +123,7 @@ def run(arguments: argparse.Namespace) -> int:
     cache = cache_for(arguments)
     selection = select_specs(arguments, cache)
     cached_run = _result_of_earlier_run(arguments, selection, cache)
-    if is_unchanged(arguments, cached_run.get()):
+    if repeat_output_if_unchanged(arguments, cached_run.get()):
         return 0
     return _render_and_write(arguments, cache, selection, cached_run)
 
@@ -208,10 +208,10 @@ def _line_about_specs(
 
     ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
     """
-    from ..check import read_line
+    from ..check import specs_read_line
     from ..new import placeholder_line
 
-    specs_line = read_line([device.name for device in devices], report, packaged, packaged_files)
+    specs_line = specs_read_line([device.name for device in devices], report, packaged, packaged_files)
     todo_line = placeholder_line(report.files)
     return f"{specs_line}\n{todo_line}" if todo_line else specs_line
 
@@ -254,8 +254,8 @@ class Generated(TypedDict):
     digest: str
 
 
-def is_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> bool:
-    """Return True if the files on the disk come from an earlier run, and repeat its output.
+def repeat_output_if_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> bool:
+    """Repeat the output of an earlier run, and return True, if the files on the disk come from it.
 
     ``generated`` is the result of that run, or None if there is none with the same input.
     """
@@ -264,25 +264,25 @@ def is_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> 
     if generated is None or digest_on_disk(arguments.output, generated["targets"]) != generated["digest"]:
         return False
     print(generated["read_line"])
-    print_summary(arguments, generated["count"], changed=0)
+    print_summary(arguments, generated["count"], changed_count=0)
     return True
 
 
-def result_to_store(read_line: str, files: Files, families: Families) -> Generated:
+def result_to_store(specs_read_line: str, files: Files, families: Families) -> Generated:
     """Return the result of a run that rendered these files."""
     from ...write_and_remove import digest_of
 
     count = sum(map(len, files.values()))
-    return Generated(read_line=read_line, targets=list(files), count=count, digest=digest_of(files, families))
+    return Generated(read_line=specs_read_line, targets=list(files), count=count, digest=digest_of(files, families))
 
 
-def print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
-    """Print the number of files. With ``--check``, raise ``CommandError`` with code 1 if ``changed`` of them differ."""
-    if arguments.check and changed:
-        raise CommandError(f"{count_with_unit(changed, 'file')} out of date; run: {arguments.again}", 1)
+def print_summary(arguments: argparse.Namespace, file_count: int, changed_count: int) -> None:
+    """Print the number of files. With ``--check``, raise ``CommandError`` with code 1 if some of them differ."""
+    if arguments.check and changed_count:
+        raise CommandError(f"{count_with_unit(changed_count, 'file')} out of date; run: {arguments.again}", 1)
     if arguments.check:
-        print(f"{count_with_unit(count, 'file')} up to date")
-    elif changed:
-        print(f"{count_with_unit(changed, 'file')} changed, {count - changed} unchanged")
+        print(f"{count_with_unit(file_count, 'file')} up to date")
+    elif changed_count:
+        print(f"{count_with_unit(changed_count, 'file')} changed, {file_count - changed_count} unchanged")
     else:
-        print(f"all {count} files unchanged")
+        print(f"all {file_count} files unchanged")

@@ -35,7 +35,7 @@ from ..terminal import CommandError
 from . import Families, Files, print_summary
 
 
-def _compare(
+def _changes_to_write(
     files: Files, output: Path, refuse_removals: Callable[[Mapping[str, Sequence[FileChange]]], None]
 ) -> list[FileChange]:
     """Return the changes that writing these files would make, with what a killed run left in the folder."""
@@ -67,7 +67,7 @@ def write_or_compare(
 
     try:
         if arguments.check:
-            file_changes = _compare(files, arguments.output, refuse_removals)
+            file_changes = _changes_to_write(files, arguments.output, refuse_removals)
         else:
             file_changes = write(
                 arguments.output,
@@ -169,7 +169,7 @@ def changed_files(
     changed_paths = tuple(path for path in paths if old_files.get(path) != new_files.get(path))
     family_names = {device.name for device in (*old_devices, *new_devices)}
     changed_names = name_changes(old_files, new_files, family_names)
-    return FileCounts(changed=changed_paths, count=len(paths), names=changed_names)
+    return FileCounts(changed_paths=changed_paths, file_count=len(paths), name_changes=changed_names)
 
 
 def unchanged_families(old_devices: Sequence[Device], new_devices: Sequence[Device]) -> frozenset[str]:
@@ -213,7 +213,9 @@ _SHARED_NAME_PARTS = frozenset(("codewheel", "codewheel_runtime", "runtime"))
 _WORD_IN_PATH = re.compile(r"[a-z0-9_]+")
 #: Start of a family's data in the script of the decode page, which has no file of its own for each family.
 _TEXT = r'"(?:[^"\\]|\\.)*"'
-_IN_THE_PAGE = re.compile(rf'\{{"name":"([a-z][a-z0-9_]*)","title":{_TEXT},(?:"special_codes":{_TEXT},)?"evidence":')
+_FAMILY_IN_DECODE_PAGE = re.compile(
+    rf'\{{"name":"([a-z][a-z0-9_]*)","title":{_TEXT},(?:"special_codes":{_TEXT},)?"evidence":'
+)
 _DECODE_PAGE = "decode.js"
 
 
@@ -243,21 +245,23 @@ class Guard:
         """
         self._refuse_specs_inside(changes)
         families_read = set(owners(self.devices))
-        unread: set[str] = set()
+        unread_families: set[str] = set()
         removed_files: list[str] = []
         unknown_files: list[str] = []
         for target, target_changes in changes.items():
-            recorded = families_in(self.folder / target)
-            if recorded:
-                missing_families = set(recorded) - families_read
+            recorded_families = families_in(self.folder / target)
+            if recorded_families:
+                missing_families = set(recorded_families) - families_read
                 removed_files += self._files_of_missing(missing_families, target_changes)
             else:
                 # An earlier version wrote the folder. Only its decode page contains the names of families.
-                missing_families = self._families_in_the_page(target_changes)
+                missing_families = self._families_in_decode_page(target_changes)
                 unknown_files += self._files_without_record(target_changes)
-            unread |= missing_families
-        if unread:
-            raise WriteError(self._message_about_families(sorted(unread), sorted([*removed_files, *unknown_files])))
+            unread_families |= missing_families
+        if unread_families:
+            raise WriteError(
+                self._message_about_families(sorted(unread_families), sorted([*removed_files, *unknown_files]))
+            )
         if unknown_files:
             raise WriteError(self._message_without_record(sorted(unknown_files)))
 
@@ -271,14 +275,14 @@ class Guard:
         missing_words -= self._names_of_families_read()
         return [path for path in _removed_paths(changes) if _has_name(path, missing_words)]
 
-    def _families_in_the_page(self, changes: Iterable[FileChange]) -> set[str]:
+    def _families_in_decode_page(self, changes: Iterable[FileChange]) -> set[str]:
         """Return the names of families in the decode page that would be replaced and that were not read."""
         written_paths = [change.path for change in changes if change.state == "written"]
         family_names: set[str] = set()
         for path in written_paths:
             if path.endswith(f"/{_DECODE_PAGE}"):
                 old_page = _read_text(self.folder / path)
-                family_names.update(_IN_THE_PAGE.findall(old_page))
+                family_names.update(_FAMILY_IN_DECODE_PAGE.findall(old_page))
         return family_names - self._names_of_families_read()
 
     def _files_without_record(self, changes: Iterable[FileChange]) -> list[str]:

@@ -23,18 +23,18 @@ def picture(placed_layout: PlacedLayout) -> list[str]:
     used_columns = _PICTURE_MARGIN
     for placed_field in placed_layout.fields:
         box_text = _box_text(placed_field.field)
-        place_text = bit_place(
+        bits_text = bit_place(
             placed_layout.layout,
             bit_count=placed_layout.bits,
             highest_bit=placed_field.high,
             lowest_bit=placed_field.low,
         )
-        width = max(len(box_text), len(place_text)) + 2  # with a space on each side
+        width = max(len(box_text), len(bits_text)) + 2  # with a space on each side
         width_with_edge = width + 1
         if rows_of_boxes[-1] and used_columns + width_with_edge > WIDTH:
             rows_of_boxes.append([])
             used_columns = _PICTURE_MARGIN
-        rows_of_boxes[-1].append(_Box(text=box_text.center(width), place=place_text.center(width)))
+        rows_of_boxes[-1].append(_Box(text=box_text.center(width), bits_text=bits_text.center(width)))
         used_columns += width_with_edge
     lines: list[str] = []
     for boxes in rows_of_boxes:
@@ -44,18 +44,18 @@ def picture(placed_layout: PlacedLayout) -> list[str]:
 
 
 class _Box(NamedTuple):
-    """A box of a picture: its text, and the place of the field in the frame, both as wide as the box."""
+    """A box of a picture: its text, and the bits of the field in the frame, both as wide as the box."""
 
     text: str
-    place: str
+    bits_text: str
 
 
 def _box_lines(boxes: Sequence[_Box]) -> list[str]:
-    """Return a row of boxes, each with its text, and with its place above it."""
-    places = "".join(f" {box.place}" for box in boxes).rstrip()
+    """Return a row of boxes, each with its text, and with its bits above it."""
+    bits_line = "".join(f" {box.bits_text}" for box in boxes).rstrip()
     edge = "+".join("-" * len(box.text) for box in boxes)
     texts = "|".join(box.text for box in boxes)
-    return [f"  {places}", f"  +{edge}+", f"  |{texts}|", f"  +{edge}+"]
+    return [f"  {bits_line}", f"  +{edge}+", f"  |{texts}|", f"  +{edge}+"]
 
 
 def _box_text(field: Field) -> str:

@@ -373,7 +373,9 @@ def _lines_about_register(device: Device, register: Register, variant: Variant |
     if facts:
         lines.append(wrap_text(style.paragraph(facts), WIDTH, prefix="    "))
     if len(fields) > 1:
-        field_rows = [(place, _about_field(device, field, style)) for place, field in _placed_fields(register, variant)]
+        field_rows = [
+            (bits_text, _about_field(device, field, style)) for bits_text, field in _placed_fields(register, variant)
+        ]
         lines += two_columns(field_rows, indent=4)
     value_rows = [(hexadecimal(value.value), _about_value(value)) for value in register.values]
     return lines + two_columns(value_rows, indent=4)
@@ -386,9 +388,9 @@ def _placed_fields(register: Register, variant: Variant | None) -> Iterator[tupl
             yield bits(placed_field.high, placed_field.low), placed_field.field
         return
     for field in register.layout.fields:
-        has_fixed_place = field.low.is_constant and field.width.is_constant
+        has_fixed_bits = field.low.is_constant and field.width.is_constant
         high = field.low.constant + field.width.constant - 1
-        yield bits(high, field.low.constant) if has_fixed_place else "", field
+        yield bits(high, field.low.constant) if has_fixed_bits else "", field
 
 
 def _about_value(value: Value) -> str:
