@@ -56,7 +56,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
 from operator import index
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
 from codewheel_runtime.codec import (
@@ -106,7 +105,7 @@ from codewheel_runtime.frames.base import (
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
 from codewheel_runtime.frames.descriptions import shape_of
 from codewheel_runtime.registers import bytes_by_address, is_consistent
-from codewheel_runtime.reports import Family, Interface, Movement, Verdict
+from codewheel_runtime.reports import Family, Interface, Movement, ReadOnly, Verdict
 from codewheel_runtime.steps import Send, Step, Verify, Wait, write_bytes
 
 if TYPE_CHECKING:
@@ -3339,7 +3338,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
 # Every order code that the manual lists
 
-VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
+VARIANTS: Final[Mapping[str, Variant]] = ReadOnly(
     {
         variant.code: variant
         for variant in (

@@ -41,7 +41,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
 
 from codewheel_runtime.codec import (
@@ -84,7 +83,7 @@ from codewheel_runtime.frames.base import (
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
 from codewheel_runtime.frames.descriptions import shape_of
 from codewheel_runtime.registers import bytes_by_address, is_consistent
-from codewheel_runtime.reports import Family, Interface, Movement, Verdict
+from codewheel_runtime.reports import Family, Interface, Movement, ReadOnly, Verdict
 from codewheel_runtime.steps import Poll, Read, Step, write_bytes
 
 if TYPE_CHECKING:
@@ -1828,7 +1827,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 # Every order code that the manual lists
 
-VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
+VARIANTS: Final[Mapping[str, Variant]] = ReadOnly(
     {
         variant.code: variant
         for variant in (

@@ -46,7 +46,6 @@ STANDARD: Mapping[str, tuple[str, ...]] = {
     "enum": ("Enum", "IntEnum"),
     "functools": ("lru_cache",),
     "operator": ("index",),
-    "types": ("MappingProxyType",),
     "typing": (
         *(
             "TYPE_CHECKING",
@@ -84,7 +83,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
         "frames.descriptions": "shape_of",
         "registers": """RegisterParameter bytes_by_address encode_register format_parameters is_consistent
             read_parameters""",
-        "reports": "Family Interface Movement Report Verdict",
+        "reports": "Family Interface Movement ReadOnly Report Verdict",
         "channels": "ChannelLayout Compared",
         "spi": "Pipeline",
         "steps": "Modify Poll Read Send Step Verify Wait write_bytes write_whole",

@@ -57,6 +57,13 @@ class BissLayout(NamedTuple):
         """The layout as text, instead of an order code."""
         return self.text
 
+    def __eq__(self, other: object) -> bool:
+        # The functions of the CRC in ``shape`` are never equal.
+        return self.text == other.text if isinstance(other, BissLayout) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
     def __reduce__(self) -> tuple[Callable[[str], BissLayout], tuple[str]]:
         """Pickle the text, because the functions of the CRC in ``shape`` cannot be pickled."""
         return biss_layout, (self.text,)
