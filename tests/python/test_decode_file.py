@@ -183,8 +183,8 @@ def test_frames_that_follow_a_register(
         (
             ("ASC8525/SC2", "0x123"),
             (
-                "ASC8525/SC2: expected ZeroBit.AS_PRINTED or ZeroBit.LEFT_OUT, got None: the manual leaves this open; "
-                "add --choose zero_bit=as_printed or --choose zero_bit=left_out"
+                "ASC8525/SC2: zero_bit must be ZeroBit.AS_PRINTED or ZeroBit.LEFT_OUT, got None: "
+                "the manual leaves this open; add --choose zero_bit=as_printed or --choose zero_bit=left_out"
             ),
         ),
     ],

@@ -292,7 +292,7 @@ class Variant(Rotary, Wrapping):
         Raises:
             TypeError: An answer belongs to a different class.
         """
-        require_answer(WarningCause, warning_cause)
+        require_answer("warning_cause", WarningCause, warning_cause)
         return self._with_changes(
             low_battery_only=warning_cause.low_battery_only,
         )
@@ -1206,6 +1206,11 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
 
     __slots__ = ()
 
+    def __new__(cls, adf_layout: AdfLayout, address: int, data: int) -> EepromWriteRequest:
+        """Create the request. Raises TypeError if an answer is missing or of another class."""
+        require_answer("adf_layout", AdfLayout, adf_layout)
+        return super().__new__(cls, adf_layout, address, data)
+
     @property
     def data_id(self) -> DataId:
         """Data ID: Type of request, repeated in the reply."""
@@ -1246,7 +1251,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
                 if not isinstance(adf_layout, AdfLayout):
-                    raise wrong_answer_error(AdfLayout, adf_layout)
+                    raise wrong_answer_error("adf_layout", AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
@@ -1351,6 +1356,11 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
 
     __slots__ = ()
 
+    def __new__(cls, adf_layout: AdfLayout, address: int) -> EepromReadRequest:
+        """Create the request. Raises TypeError if an answer is missing or of another class."""
+        require_answer("adf_layout", AdfLayout, adf_layout)
+        return super().__new__(cls, adf_layout, address)
+
     @property
     def data_id(self) -> DataId:
         """Data ID: Type of request, repeated in the reply."""
@@ -1391,7 +1401,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                 if computed_crc != data[2]:
                     raise CrcError(data[2], computed_crc)
                 if not isinstance(adf_layout, AdfLayout):
-                    raise wrong_answer_error(AdfLayout, adf_layout)
+                    raise wrong_answer_error("adf_layout", AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
@@ -2256,7 +2266,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
                 if not isinstance(adf_layout, AdfLayout):
-                    raise wrong_answer_error(AdfLayout, adf_layout)
+                    raise wrong_answer_error("adf_layout", AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
@@ -2404,7 +2414,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
                 if not isinstance(adf_layout, AdfLayout):
-                    raise wrong_answer_error(AdfLayout, adf_layout)
+                    raise wrong_answer_error("adf_layout", AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:

@@ -710,7 +710,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 if not isinstance(zero_bit, ZeroBit):
-                    raise wrong_answer_error(ZeroBit, zero_bit)
+                    raise wrong_answer_error("zero_bit", ZeroBit, zero_bit)
                 length = zero_bit.zero_bits + variant.position_bits + 8  # 8 = error (1) + warning (1) + crc (6)
                 # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, length, bits)

@@ -61,6 +61,10 @@ class BissLayout(NamedTuple):
         # The functions of the CRC in ``shape`` are never equal.
         return self.text == other.text if isinstance(other, BissLayout) else NotImplemented
 
+    def __ne__(self, other: object) -> bool:
+        # The method of tuples would compare the functions.
+        return not self == other
+
     def __hash__(self) -> int:
         return hash(self.text)
 

@@ -171,8 +171,8 @@ def _suggest_answers(parameter_types: dict[str, Any], message: str) -> str:
     for parameter_name, parameter_type in parameter_types.items():
         answer_classes = [candidate for candidate in get_args(parameter_type) if isinstance(candidate, EnumMeta)]
         for answer_class in answer_classes:
-            # The message names a member of the class that it requests, such as "expected ZeroBit.AS_PRINTED".
-            is_requested = f"expected {answer_class.__name__}." in message
+            # The message names a member of the class that it requests, such as "must be ZeroBit.AS_PRINTED".
+            is_requested = f"must be {answer_class.__name__}." in message
             if is_requested:
                 options = [f"--choose {parameter_name}={name.lower()}" for name in answer_class.__members__]
                 return "; add " + " or ".join(options)

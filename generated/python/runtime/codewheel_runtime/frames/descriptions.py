@@ -30,7 +30,8 @@ def shape_of(frame_class: type, *arguments: object) -> Shape:
     """
     make_shape, argument_types = find_description(frame_class)
     # There can be fewer arguments. The call of ``make_shape`` then raises TypeError.
-    for argument_type, argument in zip(argument_types, arguments, strict=False):
+    # The first fields of a class are these arguments.
+    for name, argument_type, argument in zip(field_names(frame_class), argument_types, arguments, strict=False):
         if isinstance(argument, argument_type):
             continue
         if issubclass(argument_type, Encoder):
@@ -39,7 +40,7 @@ def shape_of(frame_class: type, *arguments: object) -> Shape:
             raise wrong_encoder_error(argument, family_class=family_class, interface=argument_type.interface)
         # Any other type is an enumeration of answers. This always raises TypeError, because it is not a member.
         answer_class: type[Enum] = cast(Any, argument_type)
-        require_answer(answer_class, cast(Any, argument))
+        require_answer(name, answer_class, cast(Any, argument))
     return make_shape(*arguments)
 
 
