@@ -1207,7 +1207,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
     __slots__ = ()
 
     def __new__(cls, adf_layout: AdfLayout, address: int, data: int) -> EepromWriteRequest:
-        """Create the request. Raises TypeError if an answer is missing or of another class."""
+        """Create the request. Raises TypeError for a wrong answer."""
         require_answer("adf_layout", AdfLayout, adf_layout)
         return super().__new__(cls, adf_layout, address, data)
 
@@ -1357,7 +1357,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
     __slots__ = ()
 
     def __new__(cls, adf_layout: AdfLayout, address: int) -> EepromReadRequest:
-        """Create the request. Raises TypeError if an answer is missing or of another class."""
+        """Create the request. Raises TypeError for a wrong answer."""
         require_answer("adf_layout", AdfLayout, adf_layout)
         return super().__new__(cls, adf_layout, address)
 

@@ -70,25 +70,18 @@ class Captures(NamedTuple):
     ) -> Capture:
         """Decode a capture of a logic analyzer. Needs NumPy.
 
-        Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, the bytes that Saleae's serial
-        analyzer exports, VCD, NumPy files (``.npy``, ``.npz``), and tables of 0 and 1 or of voltages. They are
-        recognized by their contents. Times of time stamps are in seconds from the first stamp.
+        The contents show the format: sigrok, Saleae (including serial bytes), VCD, NumPy, or a table of 0 and 1 or of
+        voltages. Times of time stamps are in seconds from the first stamp.
 
         Args:
             encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).
-            source: The file, or two Saleae binary files, first the clock and then the data line. Or an
-                array of samples: one row per sample with one column of 0 and 1 per channel, or one number per sample
-                whose bits are the channels.
-            clock: Channel of the clock (MA), by name or by number from 1.
-            data: Channel of the data line (SLO), or of the serial line. By default, both are channels with common
-                names.
+            source: The file, two Saleae binary files (clock, data), or an array with a row or a number per sample.
+            clock: Channel of the clock (MA), by name or by number from 1. The default is a channel with a usual name.
+            data: Channel of the data line (SLO) or of the serial line, in the same way.
             rate: Sample rate in Hz, needed if the source does not specify it.
-            rest: Shortest pause of the clock between two cycles, in seconds, or in samples if the sample rate is
-                unknown. The default is 1.4 periods of the clock.
-            baud: Bits per second on a serial line, if they differ from the manual, or bits per sample if the sample
-                rate is unknown.
-            threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their
-                range.
+            rest: Shortest pause of the clock between two cycles, in seconds (samples if the rate is unknown).
+            baud: Bits per second, or per sample if the rate is unknown. The default is the rate in the manual.
+            threshold: Voltage above which the level is 1. The default is the middle of the voltages.
             layout: Kind of the replies, if there are several. The default is the most frequent one with a position.
             answers: Answers to the questions that the manual leaves open, by name.
 
@@ -96,7 +89,7 @@ class Captures(NamedTuple):
             The frames with their times, lost cycles, and accesses to registers.
 
         Raises:
-            InputError: The source is not a capture, or does not contain such signals. The message says what to do.
+            InputError: The source is not a capture, or lacks such signals.
             UsageError: The arguments are wrong or incompatible with each other.
             OSError: A file cannot be read.
         """

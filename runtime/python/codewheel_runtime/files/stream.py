@@ -118,11 +118,10 @@ class Files(NamedTuple):
     ) -> Summary:
         """Decode a file of frames into a file of columns, in bounded memory.
 
-        Each frame becomes a row. The other columns of the file come first. They are unchanged, except that a column of
-        CSV becomes numbers in Parquet and Arrow if its first cells are numbers. Later cells that are not numbers
-        are left empty, and counted as ``lost``. The position is empty if it is not usable, or if the frame has an
-        error. The error is in ``fault``. A cell without a frame becomes a row with a length error. The target file
-        appears only when it is complete. On error, no file is created and an existing file is left unchanged.
+        Each frame becomes a row, after the other columns of the file. A column of CSV becomes numbers in Parquet and
+        Arrow if its first cells are numbers. Later cells that are not numbers are left empty, and counted as ``lost``.
+        The position is empty if it is not usable. ``fault`` contains the error of a frame. A cell without a frame has a
+        length error. The target file appears only when it is complete.
 
         Args:
             encoder: The encoder, or its label.
@@ -131,14 +130,13 @@ class Files(NamedTuple):
             layout: Kind of the frames, if the encoder sends several kinds.
             to: Format to write: ``parquet``, ``arrow`` or ``csv``. The default follows from the name of the file.
             kind: Format to read: ``binary``, ``csv`` or ``parquet``. The default follows from the name of the file.
-            words: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
-                first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
-                ``big32`` of four bytes.
+            words: Form of a frame of bits in a binary file: ``packed`` (as few bytes as possible, most significant
+                first), ``little`` and ``big`` (numbers of eight bytes), ``little32`` and ``big32`` (of four bytes).
             column: Name of the column with the frames. For CSV, this may be its number, from 1.
             digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
             cut: Ignore an incomplete frame at the end.
             si: Also write the position and the speed in SI units. The source needs a column ``time`` in seconds.
-            columns: Columns to write, both decoded columns and columns of the file. The default is all.
+            columns: Decoded columns and columns of the file to write. The default is all.
             limit: Maximum number of frames to decode.
             raw: Write the position of every frame, even if it is not usable.
             force: Replace an existing file.
@@ -149,9 +147,8 @@ class Files(NamedTuple):
             Counts of frames, of each error and of each verdict.
 
         Raises:
-            InputError: The source does not contain such frames. The message says where. This error is also raised if
-                many of the first 1000 frames have an error but would be valid with other ``words`` or ``digits``. The
-                message then suggests them.
+            InputError: The source does not contain such frames, or many of the first 1000 frames would only be valid
+                with other ``words`` or ``digits``.
             UsageError: The arguments are wrong or incompatible with each other.
             OSError: A file cannot be read or written.
         """

@@ -32,6 +32,17 @@ class Coded:
 
     __slots__ = ()
 
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        """Give the constructor the public name of the class, because Python's messages about arguments contain it.
+
+        The constructor of ``SingleCycleData`` is that of the NamedTuple ``_SingleCycleData``.
+        """
+        super().__init_subclass__(**keywords)
+        for base in cls.__bases__:
+            if base.__name__ == f"_{cls.__name__}":
+                constructor: Any = base.__new__
+                constructor.__qualname__ = f"{cls.__name__}.__new__"
+
     def __eq__(self, other: object) -> bool:
         if self.__class__ is other.__class__:
             return cast(bool, _TUPLE.__eq__(self, other))
