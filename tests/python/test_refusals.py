@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy
 import pytest
-from codewheel_runtime.frames.descriptions import shape_of
+from codewheel_runtime.frames.descriptions import layout_of
 from codewheel_runtime.frames.encode import encode_number
 
 MULTITURN, SINGLETURN = "AMM5A21/65KSC1", "AMM5A21/1SC1"
@@ -143,9 +143,9 @@ def test_the_compiled_function_encodes_like_the_description(generated_python: tu
 
 
 def _described(frame: Any, encoder: Any) -> object:
-    shape = shape_of(type(frame), encoder)
-    number = encode_number(frame, shape, (encoder,))
-    return number.to_bytes(shape.length, shape.order) if shape.length else number
+    layout = layout_of(type(frame), encoder)
+    number = encode_number(frame, layout, (encoder,))
+    return number.to_bytes(layout.byte_count, layout.order) if layout.byte_count else number
 
 
 def _outcome(call: Callable[[], object]) -> object:

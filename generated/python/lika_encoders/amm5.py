@@ -103,7 +103,7 @@ from codewheel_runtime.frames.base import (
     keep_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
-from codewheel_runtime.frames.descriptions import shape_of
+from codewheel_runtime.frames.descriptions import layout_of
 from codewheel_runtime.registers import bytes_by_address, is_consistent
 from codewheel_runtime.reports import Family, Interface, Movement, ReadOnly, Verdict
 from codewheel_runtime.steps import Send, Step, Verify, Wait, write_bytes
@@ -1280,7 +1280,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
     @classmethod
     def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, adf_layout).fields
+        return layout_of(cls, adf_layout).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:
@@ -1429,7 +1429,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
     @classmethod
     def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, adf_layout).fields
+        return layout_of(cls, adf_layout).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:
@@ -2294,7 +2294,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
     @classmethod
     def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, adf_layout).fields
+        return layout_of(cls, adf_layout).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:
@@ -2442,7 +2442,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
     @classmethod
     def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, adf_layout).fields
+        return layout_of(cls, adf_layout).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:

@@ -81,7 +81,7 @@ from codewheel_runtime.frames.base import (
     encode_columns,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
-from codewheel_runtime.frames.descriptions import shape_of
+from codewheel_runtime.frames.descriptions import layout_of
 from codewheel_runtime.registers import bytes_by_address, is_consistent
 from codewheel_runtime.reports import Family, Interface, Movement, ReadOnly, Verdict
 from codewheel_runtime.steps import Poll, Read, Step, write_bytes
@@ -743,12 +743,12 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     @classmethod
     def bit_fields(cls, variant: BissEncoder, zero_bit: ZeroBit) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, variant, zero_bit).fields
+        return layout_of(cls, variant, zero_bit).fields
 
     @classmethod
     def frame_bits(cls, variant: BissEncoder, zero_bit: ZeroBit) -> int:
         """Return the number of bits in the frame, including the CRC if it has one."""
-        return shape_of(cls, variant, zero_bit).bits
+        return layout_of(cls, variant, zero_bit).bit_count
 
     @classmethod
     def decode_many(cls, frames: Words, variant: BissEncoder, zero_bit: ZeroBit) -> Table:

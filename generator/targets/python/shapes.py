@@ -40,6 +40,9 @@ _RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
         "DescribedVerdictCause": "VerdictCause",
         "DescribedReportCause": "ReportCause",
         "answered": "chosen_verdict",
+        "low": "lowest_bit",
+        "place": "bit_in_column",
+        "runs": "digit_groups",
     }
 )
 #: Members of a plan's description that are lists, except the columns.
@@ -62,7 +65,7 @@ class ShapeLiteral:
         self.plan = layout_class.plan
         self._description = describe(layout_class.plan, reporting)
         prefix = "register_" if layout_class.register is not None else ""
-        self.name = f"shape_of_{prefix}{layout_class.layout.name}"
+        self.name = f"layout_of_{prefix}{layout_class.layout.name}"
 
     @property
     def members(self) -> list[tuple[str, Literal]]:
@@ -73,8 +76,8 @@ class ShapeLiteral:
         """Yield all members of the shape by name, including empty members."""
         description = self._description
         layout_class = self.layout_class
-        yield "bits", self._literal_of(description.bits)
-        yield "length", description.length
+        yield "bit_count", self._literal_of(description.bits)
+        yield "byte_count", description.length
         yield "order", description.order
         yield "exchanged_bytes", description.exchanged_bytes
         yield "columns", self._value_columns()
@@ -196,7 +199,7 @@ class ShapeLiteral:
         """Return the call that describes a CRC: the function that checks one frame, and the steps for many frames."""
         crc = frame_crc.crc
         layout_class = self.layout_class
-        members: dict[str, Literal] = {"low": self._literal_of(frame_crc.bits.low), "width": crc.width}
+        members: dict[str, Literal] = {"lowest_bit": self._literal_of(frame_crc.bits.low), "width": crc.width}
         if layout_class.layout.crc_covers_bytes:
             layout = layout_class.layout
             place_arguments = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(layout)}"'
@@ -273,7 +276,9 @@ class ShapeLiteral:
             if member.name not in omitted and value != member.default:
                 is_positional = len(arguments) < _POSITIONAL_COUNTS.get(class_name, 0)
                 # An argument with an empty name is positional.
-                name = "" if is_positional else _RUNTIME_NAMES.get(member.name, member.name)
+                # The public class BitField has the names of the plan.
+                member_name = member.name if class_name == "BitField" else _RUNTIME_NAMES.get(member.name, member.name)
+                name = "" if is_positional else member_name
                 arguments.append((name, self._literal_of(value)))
         return CallLiteral(class_name, tuple(arguments))
 

@@ -72,7 +72,6 @@ def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
     """
     from .causes import why
 
-    encoder_or_other: object = encoder
-    if not isinstance(encoder_or_other, Encoder):
-        raise not_an_encoder_error(encoder_or_other)
+    if not hasattr(encoder, "decode"):
+        raise not_an_encoder_error(encoder)
     return why(encoder, frame)

@@ -9,7 +9,7 @@ from typing import Any
 from ..errors import InputError
 from ..packages import load
 from .cells import TextCells
-from .shape import Shape
+from .shape import FrameLayout
 from .words import DigitKind, read_floats, rows_to_numbers
 
 np: Any = load("numpy")
@@ -23,7 +23,7 @@ class NoFrame(ValueError):
         self.row = row
 
 
-def read_column(column: Any, shape: Shape) -> Any:
+def read_column(column: Any, layout: FrameLayout) -> Any:
     """Convert a column of any library with Arrow's C interface to the form that ``decode_many`` expects.
 
     Raises:
@@ -38,13 +38,13 @@ def read_column(column: Any, shape: Shape) -> Any:
             reason = f"pyarrow cannot read the column ({error}): convert it to 64-bit integers, bytes or text"
             raise TypeError(reason) from None
     try:
-        return read_arrow(column, shape)
+        return read_arrow(column, layout)
     except NoFrame as error:
         reason = "frames as text need 0x in front: convert the column to integers"
         raise InputError("the frames", reason, place=f"row {error.row + 1}") from None
 
 
-def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, rows_before: int = 0) -> Any:
+def read_arrow(array: Any, layout: FrameLayout, digits: DigitKind | None = None, rows_before: int = 0) -> Any:
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
     ``digits`` is the base of numbers in text that have no ``0x``. ``rows_before`` is the number of rows of the file
@@ -67,25 +67,25 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, rows_b
     if kinds.is_null(arrow_type):
         return [None] * len(array)
     if kinds.is_integer(arrow_type):
-        return _read_integers(array, shape)
-    if kinds.is_float64(arrow_type) and not shape.length:
-        return read_floats(array.to_numpy(zero_copy_only=False), shape.bits, rows_before)
+        return _read_integers(array, layout)
+    if kinds.is_float64(arrow_type) and not layout.byte_count:
+        return read_floats(array.to_numpy(zero_copy_only=False), layout.bit_count, rows_before)
     if kinds.is_string(arrow_type) or kinds.is_large_string(arrow_type):
-        return _read_each(array.to_pylist(), shape, digits, is_first=not rows_before)
+        return _read_each(array.to_pylist(), layout, digits, is_first=not rows_before)
     is_variable_length = kinds.is_binary(arrow_type) or kinds.is_large_binary(arrow_type)
     if not is_variable_length and not kinds.is_fixed_size_binary(arrow_type):
         raise TypeError(f"expected numbers, bytes or text, got items of the type {arrow_type}")
-    return _read_bytes(array, shape)
+    return _read_bytes(array, layout)
 
 
-def _read_bytes(array: Any, shape: Shape) -> Any:
+def _read_bytes(array: Any, layout: FrameLayout) -> Any:
     """Convert a column of bytes. It is faster if no item is missing and all have the length of a frame."""
     # A frame is either a row of bytes or a number of some bits, which are rounded up to whole bytes.
-    has_rows_of_bytes = shape.length > 0
-    bytes_per_frame = shape.length if has_rows_of_bytes else (shape.bits + 7) // 8
+    has_rows_of_bytes = layout.byte_count > 0
+    bytes_per_frame = layout.byte_count if has_rows_of_bytes else (layout.bit_count + 7) // 8
     rows = None if array.null_count else _read_rows(array, bytes_per_frame)
     if rows is None:
-        return read_byte_cells(array.to_pylist(), shape)
+        return read_byte_cells(array.to_pylist(), layout)
     return rows if has_rows_of_bytes else rows_to_numbers(rows)
 
 
@@ -98,10 +98,10 @@ def _convert_views(array: Any) -> Any:
     return array if plain_type is None else array.cast(plain_type())
 
 
-def _read_integers(array: Any, shape: Shape) -> Any:
+def _read_integers(array: Any, layout: FrameLayout) -> Any:
     """Return integers as an array. Missing ones are masked. Raises TypeError if frames are bytes."""
-    if shape.length:
-        raise TypeError(f"expected rows of {shape.length} bytes, got numbers")
+    if layout.byte_count:
+        raise TypeError(f"expected rows of {layout.byte_count} bytes, got numbers")
     if not array.null_count:
         return array.to_numpy(zero_copy_only=False)
     missing = array.is_null().to_numpy(zero_copy_only=False)
@@ -137,14 +137,14 @@ def _read_rows(array: Any, length: int) -> Any:
     return np.frombuffer(data, np.uint8, count=row_count * length, offset=first_byte).reshape(row_count, length)
 
 
-def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
+def read_byte_cells(items: Iterable[bytes | None], layout: FrameLayout) -> list[Any]:
     """Return frames that are byte strings in the form that ``decode_many`` expects: unchanged, or as integers.
 
     None stays None. For frames of bits, a string that has too few bytes for all bits also becomes None.
     """
-    if shape.length:
+    if layout.byte_count:
         return list(items)
-    least_bytes = (shape.bits + 7) // 8
+    least_bytes = (layout.bit_count + 7) // 8
     frames: list[int | None] = []
     for data in items:
         is_complete = data is not None and len(data) >= least_bytes
@@ -152,13 +152,13 @@ def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
     return frames
 
 
-def _read_each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:
+def _read_each(items: Iterable[str | None], layout: FrameLayout, digits: DigitKind | None, is_first: bool) -> list[Any]:
     """Return the frame in each text cell, or None for a cell without a frame. ``digits`` is the base of numbers.
 
     Raises:
         NoFrame: ``is_first`` is True, and most cells contain no frame.
     """
-    cells = TextCells(shape, digits)
+    cells = TextCells(layout, digits)
     frames = [cells.read(cell or "", row) for row, cell in enumerate(items)]
     if is_first and cells.are_mostly_unread:
         raise NoFrame(cells.place, cells.error)

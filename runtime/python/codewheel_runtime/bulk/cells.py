@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from .shape import Shape
+from .shape import FrameLayout
 from .words import DigitKind, quote
 
 _PREFIXED_NUMBER: Final = re.compile(r"0([xX][0-9a-fA-F]+|[bB][01]+)")
@@ -16,14 +16,14 @@ _DECIMAL_DIGITS: Final = re.compile(r"[0-9]+")
 _WORDS_FOR_MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
 
 
-def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
+def read_text(text: str, layout: FrameLayout, digits: DigitKind | None) -> int | bytes:
     """Return the frame in a cell of text. Raises ValueError if the text is not a frame.
 
     Spaces and underscores are ignored. A frame of bytes is a row of hexadecimal bytes, with or without a leading
     ``0x``. A frame of bits is a number. ``0x`` or ``0b`` specifies its base, otherwise ``digits`` does.
     """
     compact = text.replace(" ", "").replace("_", "")
-    if shape.length:
+    if layout.byte_count:
         return _read_bytes(compact, text)
     if _PREFIXED_NUMBER.fullmatch(compact):
         return int(compact, 0)
@@ -63,15 +63,15 @@ class TextCells:
     message of the first cell without a frame.
     """
 
-    def __init__(self, shape: Shape, digits: DigitKind | None) -> None:
-        self._shape = shape
+    def __init__(self, layout: FrameLayout, digits: DigitKind | None) -> None:
+        self._layout = layout
         self._digits: DigitKind | None = digits
         self.seen = self.unread = self.place = 0
         self.error = ""
 
     def read(self, text: str, place: int) -> int | bytes | None:
         """Return the frame in a cell, or None if there is none. ``place`` identifies the cell in errors."""
-        if text[:2] == "0x" and not self._shape.length and text.isascii():
+        if text[:2] == "0x" and not self._layout.byte_count and text.isascii():
             # This is a fast path for the usual form. Other forms are handled below.
             try:
                 number = int(text, 16)
@@ -81,7 +81,7 @@ class TextCells:
                 self.seen += 1
                 return number
         try:
-            frame = read_text(text, self._shape, self._digits)
+            frame = read_text(text, self._layout, self._digits)
         except ValueError as error:
             if text.strip().lower() in _WORDS_FOR_MISSING:
                 return None

@@ -259,8 +259,8 @@ class Table(TableOf[ColumnName, PositionUnit], FrameSequence):
             number_name, scale = self._scales[name]
             self._columns[name] = convert_to_quantities(self._find_column(number_name), scale)
         if name in self._parts and name not in self._columns:
-            joined_name, low, width = self._parts[name]
-            self._columns[name] = (self._columns[joined_name] >> low) & ((1 << width) - 1)
+            joined_name, lowest_bit, width = self._parts[name]
+            self._columns[name] = (self._columns[joined_name] >> lowest_bit) & ((1 << width) - 1)
         if name not in self._columns:
             raise KeyError(make_unknown_column_message(name, self.names))
         return self._columns[name]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, Final, NamedTuple
 
-from ..bulk.shape import Check, Column, CrcOf, Join, Shape, Unused, VerdictCause, compare_bits
+from ..bulk.shape import Check, Column, CrcOf, FrameLayout, Join, Unused, VerdictCause, compare_bits
 from ..bulk.words import quote
 from ..codec import PositionRange, crc_of_bits
 from ..errors import ErrorKind, UsageError
@@ -42,13 +42,13 @@ class BissLayout(NamedTuple):
 
     Attributes:
         text: The layout as text.
-        shape: Its description for ``decode_many``.
+        layout: Its description for ``decode_many``.
         modulus: Number of counts after which the position wraps around.
         counts_per_turn: Number of counts in one revolution. 0 if the layout does not specify it.
     """
 
     text: str
-    shape: Shape
+    layout: FrameLayout
     modulus: int
     counts_per_turn: int
 
@@ -58,7 +58,7 @@ class BissLayout(NamedTuple):
         return self.text
 
     def __eq__(self, other: object) -> bool:
-        # The functions of the CRC in ``shape`` are never equal.
+        # The functions of the CRC in ``layout`` are never equal.
         return self.text == other.text if isinstance(other, BissLayout) else NotImplemented
 
     def __ne__(self, other: object) -> bool:
@@ -69,7 +69,7 @@ class BissLayout(NamedTuple):
         return hash(self.text)
 
     def __reduce__(self) -> tuple[Callable[[str], BissLayout], tuple[str]]:
-        """Pickle the text, because the functions of the CRC in ``shape`` cannot be pickled."""
+        """Pickle the text, because the functions of the CRC in ``layout`` cannot be pickled."""
         return biss_layout, (self.text,)
 
     @property
@@ -109,7 +109,7 @@ class BissLayout(NamedTuple):
         """
         from ..bulk.decode import decode_many
 
-        return decode_many(frames, self.shape, encoder=self)
+        return decode_many(frames, self.layout, encoder=self)
 
 
 def biss_layout(text: str) -> BissLayout:
@@ -139,7 +139,7 @@ def biss_layout(text: str) -> BissLayout:
         widths["position"] = widths["singleturn"] + widths.get("multiturn", 0)
     return BissLayout(
         text=text,
-        shape=_make_shape(fields, widths, joins),
+        layout=_make_layout(fields, widths, joins),
         modulus=1 << widths.get("position", 0),
         counts_per_turn=1 << widths["singleturn"] if "singleturn" in widths else 0,
     )
@@ -173,7 +173,7 @@ def _join_position(widths: Mapping[str, int]) -> Join:
     return Join("position", tuple(parts))
 
 
-def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
+def _make_layout(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> FrameLayout:
     """Return the description of a frame with these fields, for ``decode_many``.
 
     ``widths`` contains the width of each column by name, and ``joins`` contains the position if it consists of several
@@ -183,12 +183,12 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
     placed_fields = _place_fields(fields)
     # Without a flag, nothing says whether the position is usable.
     flags = [name for name in _VERDICT_BY_FLAG if name in widths]
-    return Shape(
+    return FrameLayout(
         bits,
-        columns=tuple(_make_column(field, low) for field, low in placed_fields if field.name in widths),
+        columns=tuple(_make_column(field, lowest_bit) for field, lowest_bit in placed_fields if field.name in widths),
         joins=joins,
         unused=tuple(_list_unused_bits(placed_fields)),
-        checks=tuple(_check_zero(field, low) for field, low in placed_fields if field.name == "zero"),
+        checks=tuple(_check_zero(field, lowest_bit) for field, lowest_bit in placed_fields if field.name == "zero"),
         crc=_find_crc(placed_fields, bits),
         position="position" if "position" in widths else "",
         default_verdict=Verdict.USABLE if flags else Verdict.UNKNOWN,
@@ -200,44 +200,46 @@ class _PlacedField(NamedTuple):
     """Field and its lowest bit in the frame."""
 
     field: _Field
-    low: int
+    lowest_bit: int
 
 
 def _place_fields(fields: Sequence[_Field]) -> list[_PlacedField]:
     """Return the fields with their places in the frame. The first field forms the highest bits."""
-    low = sum(field.width for field in fields)
+    lowest_bit = sum(field.width for field in fields)
     placed_fields: list[_PlacedField] = []
     for field in fields:
-        low -= field.width
-        placed_fields.append(_PlacedField(field, low))
+        lowest_bit -= field.width
+        placed_fields.append(_PlacedField(field, lowest_bit))
     return placed_fields
 
 
-def _make_column(field: _Field, low: int) -> Column:
+def _make_column(field: _Field, lowest_bit: int) -> Column:
     """Return the column of a field with a value. The flags of BiSS are active low."""
     is_flag = field.name in _VERDICT_BY_FLAG
-    return Column(field.name, low, field.width, kind="not_flag" if is_flag else "number")
+    return Column(field.name, lowest_bit, field.width, kind="not_flag" if is_flag else "number")
 
 
-def _check_zero(field: _Field, low: int) -> Check:
+def _check_zero(field: _Field, lowest_bit: int) -> Check:
     """Return the check that the bits of a field are 0."""
-    return Check(low, field.width, ErrorKind.CONSTANT, values=(0,))
+    return Check(lowest_bit, field.width, ErrorKind.CONSTANT, values=(0,))
 
 
 def _list_unused_bits(placed_fields: Sequence[_PlacedField]) -> Iterator[Unused]:
     """Yield the unused bits of a frame, which are side by side in the column ``unused``."""
     place = 0
-    for field, low in placed_fields:
+    for field, lowest_bit in placed_fields:
         if field.name == "unused":
-            yield Unused(low, field.width, value=0, place=place)
+            yield Unused(lowest_bit, field.width, value=0, bit_in_column=place)
             place += field.width
 
 
 def _find_crc(placed_fields: Sequence[_PlacedField], bits: int) -> CrcOf | None:
     """Return the CRC of a frame of ``bits`` bits, or None without one. It covers all bits before it."""
-    for field, low in placed_fields:
+    for field, lowest_bit in placed_fields:
         if field.name == "crc":
-            return CrcOf(low, field.width, compare_bits(field.crc(), covered=bits - field.width, width=field.width))
+            return CrcOf(
+                lowest_bit, field.width, compare_bits(field.crc(), covered=bits - field.width, width=field.width)
+            )
     return None
 
 

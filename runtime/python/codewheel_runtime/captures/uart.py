@@ -7,7 +7,7 @@ from collections.abc import Generator, Mapping, Sequence
 from typing import Any, Final, NamedTuple
 
 from ..bulk.decode import decode_many
-from ..bulk.shape import Shape
+from ..bulk.shape import FrameLayout
 from ..errors import ErrorKind, InputError
 from ..files.stream import count_units
 from ..packages import load
@@ -32,8 +32,8 @@ class Kinds(NamedTuple):
     ``wanted`` is the kind of the replies that the user requests, or empty for the most frequent one with a position.
     """
 
-    replies: Mapping[str, Shape]
-    requests: Mapping[str, Shape]
+    replies: Mapping[str, FrameLayout]
+    requests: Mapping[str, FrameLayout]
     wanted: str = ""
 
 
@@ -124,10 +124,10 @@ class _ReplyFinder:
         """
         if not self.wanted or len(part.frames):
             return part
-        length = self._kinds.replies[self.wanted].length
+        length = self._kinds.replies[self.wanted].byte_count
         return part._replace(kind=self.wanted, frames=np.zeros((0, length), np.uint8))
 
-    def _find_valid_starts(self, shape: Shape) -> Any:
+    def _find_valid_starts(self, layout: FrameLayout) -> Any:
         """Return an array that is True for each byte at which a valid frame begins.
 
         Its last item represents the end and is False.
@@ -135,14 +135,14 @@ class _ReplyFinder:
         A valid frame has no error and no pause between its bytes, and each byte has its stop bit.
         """
         count = len(self._values)
-        length = shape.length
+        length = layout.byte_count
         is_valid = np.zeros(count + 1, bool)
         if count < length:
             return is_valid
         # A row for each place at which a frame can begin, with the bytes from there on.
         windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
         start_count = len(windows)
-        has_no_error = decode_many(np.ascontiguousarray(windows), shape, encoder=None).fault == 0
+        has_no_error = decode_many(np.ascontiguousarray(windows), layout, encoder=None).fault == 0
         # A frame has no pause if the number of pauses is the same before its first and before its last byte. It has all
         # stop bits if the number of damaged bytes is the same before its first byte and after its last one.
         pauses_before = _count_true_before(np.diff(self._times) > self._pause)
@@ -157,9 +157,9 @@ class _ReplyFinder:
 
         If the kind of the replies is not known yet, these replies determine it.
         """
-        shapes = self._kinds.replies
+        layouts = self._kinds.replies
         # If several kinds of reply begin at a byte, the longest one counts.
-        names = sorted(shapes, key=lambda name: (-shapes[name].length, name))
+        names = sorted(layouts, key=lambda name: (-layouts[name].byte_count, name))
         request_lengths = self._find_request_lengths()
         places = self._place_replies(until, names, self._find_reply_kinds(names), request_lengths)
         if not self.wanted:
@@ -199,9 +199,9 @@ class _ReplyFinder:
         The list also contains an item for the end of the bytes, which is 0.
         """
         longest = np.zeros(len(self._values) + 1, np.int64)
-        for shape in self._kinds.requests.values():
+        for layout in self._kinds.requests.values():
             # True counts as 1, so this is the length where a request begins, and 0 elsewhere.
-            lengths_of_kind = shape.length * self._find_valid_starts(shape)
+            lengths_of_kind = layout.byte_count * self._find_valid_starts(layout)
             longest = np.maximum(longest, lengths_of_kind)
         lengths: list[int] = longest.tolist()
         return lengths
@@ -231,7 +231,7 @@ class _ReplyFinder:
                 gaps.append((gap_start, index))
             name = names[reply_kinds[reply_start]]
             starts[name].append(reply_start)
-            index = reply_start + self._kinds.replies[name].length
+            index = reply_start + self._kinds.replies[name].byte_count
             gap_start = index
         end = min(index, byte_count)
         # The last bytes may begin a reply that is not complete yet, unless the capture ends.
@@ -271,9 +271,9 @@ class _ReplyFinder:
 
     def _copy_replies(self, first_bytes: Any) -> Any:
         """Return the bytes of the replies of the wanted kind, a row for each. Each begins at an index in the array."""
-        shape = self._kinds.replies.get(self.wanted)
+        layout = self._kinds.replies.get(self.wanted)
         # While the kind is not known, there are no replies, and any length fits.
-        length = shape.length if shape is not None else 1
+        length = layout.byte_count if layout is not None else 1
         if not len(first_bytes):
             return np.zeros((0, length), "u1")
         byte_indices = first_bytes[:, None] + np.arange(length)[None, :]
@@ -284,16 +284,16 @@ class _ReplyFinder:
 
         A request can precede the reply. All bytes from ``gap_start`` on, where it begins, must have their stop bits.
         """
-        # While the kind of the replies is not known, there is no shape.
-        shape = self._kinds.replies.get(self.wanted)
-        has_length_of_reply = shape is not None and end - reply_start == shape.length
-        if shape is None or not has_length_of_reply:
+        # While the kind of the replies is not known, there is no layout.
+        layout = self._kinds.replies.get(self.wanted)
+        has_length_of_reply = layout is not None and end - reply_start == layout.byte_count
+        if layout is None or not has_length_of_reply:
             return False
         has_all_stop_bits = self._has_stop_bits[gap_start:end].all()
         if not has_all_stop_bits:
             return False
         reply = self._values[reply_start:end]
-        table = decode_many(reply.reshape(1, -1), shape, encoder=None)
+        table = decode_many(reply.reshape(1, -1), layout, encoder=None)
         return bool(table.fault[0] == ErrorKind.CRC)
 
     def _explain_loss(self, first: int, end: int, request_lengths: list[int]) -> str:

@@ -11,7 +11,7 @@ from itertools import chain, islice
 from typing import BinaryIO, Final, NamedTuple
 
 from ..bulk.cells import TextCells, read_text
-from ..bulk.shape import Shape
+from ..bulk.shape import FrameLayout
 from ..bulk.words import DigitKind, list_names, quote
 from ..errors import InputError
 from . import inputs
@@ -36,7 +36,7 @@ def read_csv_rows(
     name: str,
     size: int | None,
     storage: StorageFormat,
-    shape: Shape,
+    layout: FrameLayout,
     find_valid_fraction: ValidFraction,
 ) -> Source:
     """Read the first rows of a CSV file, and return a source that reads the frames and the other columns later.
@@ -58,16 +58,16 @@ def read_csv_rows(
     first_row = next(rows, None)
     if first_row is None:
         return Source(_yield_no_parts(), size)
-    columns = _find_columns(first_row, name, storage, shape)
+    columns = _find_columns(first_row, name, storage, layout)
     other_names = tuple(column_name for _, column_name in columns.others)
     empty_columns = select_columns(other_names, storage, lambda _: [], name)
     kept_columns = [(index, column_name) for index, column_name in columns.others if column_name in empty_columns]
     start = _find_first_frame(head, lines.number, columns.has_header)
     # The fast reader cannot skip a header.
     can_be_fast = not start.is_before_header
-    fast_reader = _make_fast_reader(columns, kept_columns, delimiter, shape, storage) if can_be_fast else None
+    fast_reader = _make_fast_reader(columns, kept_columns, delimiter, layout, storage) if can_be_fast else None
     slow_reader = _SlowReader(lines, delimiter, columns.frame_column, kept_columns, start.is_before_header)
-    csv_file = _CsvFile(name, storage, shape, find_valid_fraction)
+    csv_file = _CsvFile(name, storage, layout, find_valid_fraction)
     parts = _CsvParts(csv_file, fast_reader, slow_reader, start)
     remaining_blocks = chain([head[start.offset :]], blocks)
     return Source(parts.read(remaining_blocks), size, other_names, empty_columns)
@@ -89,12 +89,12 @@ class _Columns(NamedTuple):
     has_header: bool
 
 
-def _find_columns(first_row: list[str], file_name: str, storage: StorageFormat, shape: Shape) -> _Columns:
+def _find_columns(first_row: list[str], file_name: str, storage: StorageFormat, layout: FrameLayout) -> _Columns:
     """Return the columns of a file according to its first row, which can be a header.
 
     Raises the error of ``_find_frame_column``.
     """
-    frame_column, has_header = _find_frame_column(first_row, file_name, storage, shape)
+    frame_column, has_header = _find_frame_column(first_row, file_name, storage, layout)
     header = [cell.strip() for cell in first_row] if has_header else [""] * len(first_row)
     names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
     others = [(index, name) for index, name in enumerate(names) if index != frame_column]
@@ -126,11 +126,11 @@ def _find_first_frame(head: bytes, first_row_line: int, has_header: bool) -> _St
 
 
 def _make_fast_reader(
-    columns: _Columns, kept_columns: list[tuple[int, str]], delimiter: str, shape: Shape, storage: StorageFormat
+    columns: _Columns, kept_columns: list[tuple[int, str]], delimiter: str, layout: FrameLayout, storage: StorageFormat
 ) -> BlockReader | None:
     """Return a reader of blocks, or None if pyarrow is not installed."""
     try:
-        return BlockReader(columns.names, columns.frame_column, kept_columns, delimiter, shape, storage.digits)
+        return BlockReader(columns.names, columns.frame_column, kept_columns, delimiter, layout, storage.digits)
     except ImportError:
         return None
 
@@ -229,7 +229,7 @@ class _CsvFile(NamedTuple):
 
     name: str
     storage: StorageFormat
-    shape: Shape
+    layout: FrameLayout
     find_valid_fraction: ValidFraction
 
 
@@ -252,7 +252,7 @@ class _CsvParts:
         self._slow_reader = slow_reader
         self._bytes_read = start.offset
         self._lines_read = start.lines_before
-        self._cells = TextCells(csv_file.shape, csv_file.storage.digits)
+        self._cells = TextCells(csv_file.layout, csv_file.storage.digits)
         self._are_first_cells_checked = False
 
     def read(self, blocks: Iterator[bytes]) -> Generator[FrameBatch, None, None]:
@@ -308,20 +308,20 @@ def _check_first_cells(cells: TextCells, texts: list[str], csv_file: _CsvFile) -
     fraction of valid frames in both bases. ``cells`` has read the cells already, and ``texts`` are the first cells, at
     most 1000.
     """
-    name, storage, shape, find_valid_fraction = csv_file
-    has_bits = not shape.length
+    name, storage, layout, find_valid_fraction = csv_file
+    has_bits = not layout.byte_count
     if cells.are_mostly_unread:
         raise InputError(name, cells.error, place=f"line {cells.place}")
     if storage.digits is not None and has_bits:
         other_base: DigitKind = "hex" if storage.digits == "decimal" else "decimal"
-        chosen_frames = _read_frames(texts, shape, storage.digits)
-        other_forms = [(f"--digits {other_base}", _read_frames(texts, shape, other_base))]
+        chosen_frames = _read_frames(texts, layout, storage.digits)
+        other_forms = [(f"--digits {other_base}", _read_frames(texts, layout, other_base))]
         check_form(name, chosen_frames, other_forms, find_valid_fraction)
 
 
-def _read_frames(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes]:
+def _read_frames(texts: list[str], layout: FrameLayout, digits: DigitKind) -> list[int | bytes]:
     """Return the frames in cells of text, read in this base. Cells without a frame are skipped."""
-    cells = TextCells(shape, digits)
+    cells = TextCells(layout, digits)
     frames = [cells.read(text, place=0) for text in texts]
     return [frame for frame in frames if frame is not None]
 
@@ -395,7 +395,9 @@ class _FrameColumn(NamedTuple):
     has_header: bool
 
 
-def _find_frame_column(first_row: list[str], file_name: str, storage: StorageFormat, shape: Shape) -> _FrameColumn:
+def _find_frame_column(
+    first_row: list[str], file_name: str, storage: StorageFormat, layout: FrameLayout
+) -> _FrameColumn:
     """Return the index of the column of frames, and whether the first row is a header.
 
     The column is the requested one (by name, or by number from 1), the only column, or a column named ``frame`` or
@@ -427,13 +429,13 @@ def _find_frame_column(first_row: list[str], file_name: str, storage: StorageFor
     # An empty cell is a missing frame, not a header.
     first_cell = first_row[column_index]
     is_empty = not first_cell.strip()
-    return _FrameColumn(column_index, has_header=not is_empty and not _is_frame(first_cell, shape))
+    return _FrameColumn(column_index, has_header=not is_empty and not _is_frame(first_cell, layout))
 
 
-def _is_frame(text: str, shape: Shape) -> bool:
+def _is_frame(text: str, layout: FrameLayout) -> bool:
     """Return whether text can be a frame: a hexadecimal number with at least one decimal digit."""
     try:
-        read_text(text, shape, "hex")
+        read_text(text, layout, "hex")
     except ValueError:
         return False
     # 'face' is a header, although it is also hexadecimal.

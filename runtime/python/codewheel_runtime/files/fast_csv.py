@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, BinaryIO, Final, NamedTuple
 
-from ..bulk.shape import Shape
+from ..bulk.shape import FrameLayout
 from ..bulk.words import DigitKind
 from ..packages import load
 from .inputs import FIRST
@@ -111,7 +111,7 @@ class BlockReader:
         frame_column: Index of the column of frames.
         kept_columns: Index and name of each other column to keep.
         delimiter: Character between two cells.
-        shape: Description of the frames.
+        layout: Description of the frames.
         digits: Base of numbers without ``0x``.
 
     Raises:
@@ -124,13 +124,13 @@ class BlockReader:
         frame_column: int,
         kept_columns: Sequence[tuple[int, str]],
         delimiter: str,
-        shape: Shape,
+        layout: FrameLayout,
         digits: DigitKind | None,
     ) -> None:
         self._pyarrow: Any = load("pyarrow")
         self._pyarrow_compute: Any = load("pyarrow.compute")
         self._pyarrow_csv: Any = load("pyarrow.csv")
-        self._frame_bytes = shape.length
+        self._frame_bytes = layout.byte_count
         self._digits: DigitKind | None = digits
         self._kept_names = [name for _, name in kept_columns]
         # Columns are named by their index, because names in the file can be equal.

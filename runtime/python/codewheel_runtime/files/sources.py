@@ -11,7 +11,7 @@ from os import fspath
 from pathlib import PurePath
 from typing import Any, BinaryIO, Final, cast, get_args
 
-from ..bulk.shape import Shape
+from ..bulk.shape import FrameLayout
 from ..bulk.words import WORDS, WordKind, rows_to_numbers
 from ..errors import InputError, UsageError
 from ..packages import load
@@ -52,7 +52,7 @@ def find_kind(path: str) -> FileKind:
 
 @contextmanager
 def open_source(
-    path: str, storage: StorageFormat, shape: Shape, find_valid_fraction: ValidFraction
+    path: str, storage: StorageFormat, layout: FrameLayout, find_valid_fraction: ValidFraction
 ) -> Generator[Source, None, None]:
     """Open a file of frames, or standard input for ``-``.
 
@@ -64,13 +64,13 @@ def open_source(
         OSError: The file cannot be opened.
     """
     kind = storage.kind or find_kind(path)
-    _check_words(kind, storage.words, shape)
+    _check_words(kind, storage.words, layout)
     if path == "-":
         if kind == "parquet":
             raise UsageError("Parquet cannot be read from standard input; give a file")
         # A replaced standard input can lack ``buffer``. It is then binary itself.
         file = cast(BinaryIO, getattr(sys.stdin, "buffer", sys.stdin))
-        standard_input = _choose_source(file, "standard input", None, kind, storage, shape, find_valid_fraction)
+        standard_input = _choose_source(file, "standard input", None, kind, storage, layout, find_valid_fraction)
         with _close_after(standard_input) as source:
             yield source
         return
@@ -80,22 +80,22 @@ def open_source(
         if size is not None:
             file.seek(0)
         with _close_after(
-            _choose_source(file, fspath(path), size, kind, storage, shape, find_valid_fraction)
+            _choose_source(file, fspath(path), size, kind, storage, layout, find_valid_fraction)
         ) as source:
             yield source
 
 
-def _check_words(kind: FileKind, words: WordKind, shape: Shape) -> None:
+def _check_words(kind: FileKind, words: WordKind, layout: FrameLayout) -> None:
     """Raise UsageError if frames of bits do not fit into the words of a file, or frames of bytes have a word form."""
-    has_bytes = bool(shape.length)
+    has_bytes = bool(layout.byte_count)
     if has_bytes:
         if words != "packed" and kind == "binary":
-            raise UsageError(f"words are for frames of bits, but a frame of this encoder has {shape.length} bytes")
+            raise UsageError(f"words are for frames of bits, but a frame of this encoder has {layout.byte_count} bytes")
         return
-    if shape.bits > 64:
-        raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
-    if kind == "binary" and words.endswith("32") and shape.bits > 32:
-        raise UsageError(f"frames of {shape.bits} bits do not fit into words of 32")
+    if layout.bit_count > 64:
+        raise UsageError(f"frames of {layout.bit_count} bits do not fit into words of 64")
+    if kind == "binary" and words.endswith("32") and layout.bit_count > 32:
+        raise UsageError(f"frames of {layout.bit_count} bits do not fit into words of 32")
 
 
 @contextmanager
@@ -113,7 +113,7 @@ def _choose_source(
     size: int | None,
     kind: FileKind,
     storage: StorageFormat,
-    shape: Shape,
+    layout: FrameLayout,
     find_valid_fraction: ValidFraction,
 ) -> Source:
     """Return the source of frames in a file of this kind.
@@ -122,10 +122,10 @@ def _choose_source(
     returns the fraction of valid frames.
     """
     if kind == "parquet":
-        return read_parquet_batches(file, name, storage, shape)
+        return read_parquet_batches(file, name, storage, layout)
     if kind == "csv":
-        return read_csv_rows(file, name, size, storage, shape, find_valid_fraction)
-    return Source(_read_binary(file, name, size, storage, shape, find_valid_fraction), size)
+        return read_csv_rows(file, name, size, storage, layout, find_valid_fraction)
+    return Source(_read_binary(file, name, size, storage, layout, find_valid_fraction), size)
 
 
 def _read_binary(
@@ -133,7 +133,7 @@ def _read_binary(
     name: str,
     size: int | None,
     storage: StorageFormat,
-    shape: Shape,
+    layout: FrameLayout,
     find_valid_fraction: ValidFraction,
 ) -> Generator[FrameBatch, None, None]:
     """Yield the frames of a binary file, and the number of bytes read.
@@ -145,16 +145,16 @@ def _read_binary(
     Raises:
         InputError: The first frames fit another form of words, the file ends within a frame, or it is an Arrow file.
     """
-    has_bytes = bool(shape.length)
+    has_bytes = bool(layout.byte_count)
     # Number of bytes that each frame occupies in the file.
-    frame_bytes = shape.length if has_bytes else _find_word_length(storage.words, shape)
+    frame_bytes = layout.byte_count if has_bytes else _find_word_length(storage.words, layout)
     bytes_read = 0
     while data := _read(file, frame_bytes * inputs.CHUNK):
         is_first_block = not bytes_read
         if is_first_block and data.startswith(_ARROW_MARK):
             raise InputError(name, "Arrow files cannot be decoded: save the table as Parquet")
         if is_first_block and not has_bytes:
-            _check_first_words(data, name, storage.words, shape, find_valid_fraction)
+            _check_first_words(data, name, storage.words, layout, find_valid_fraction)
         # If the size is known, an incomplete frame is reported before any frame is decoded.
         if is_first_block and size is not None and size % frame_bytes and not storage.cut:
             raise _incomplete_frame_error(name, size, frame_bytes)
@@ -169,7 +169,7 @@ def _read_binary(
 
 
 def _check_first_words(
-    data: bytes, name: str, words: WordKind, shape: Shape, find_valid_fraction: ValidFraction
+    data: bytes, name: str, words: WordKind, layout: FrameLayout, find_valid_fraction: ValidFraction
 ) -> None:
     """Raise InputError if far more of the first frames are valid in another form of words.
 
@@ -178,9 +178,9 @@ def _check_first_words(
     """
     # This is enough for the first frames in every form, because no word has more than eight bytes.
     head = data[: 8 * FIRST]
-    chosen_frames = _read_first_frames(head, words, shape)
+    chosen_frames = _read_first_frames(head, words, layout)
     other_forms = (
-        (f"--words {form}", _read_first_frames(head, form, shape)) for form in _list_other_forms(words, shape)
+        (f"--words {form}", _read_first_frames(head, form, layout)) for form in _list_other_forms(words, layout)
     )
     check_form(name, chosen_frames, other_forms, find_valid_fraction)
 
@@ -208,24 +208,24 @@ def _read(file: BinaryIO, size: int) -> bytes:
     return b"".join(pieces)
 
 
-def _find_word_length(words: WordKind, shape: Shape) -> int:
+def _find_word_length(words: WordKind, layout: FrameLayout) -> int:
     """Return the number of bytes that a frame of bits occupies in the file, such as 3 for 20 bits in packed words."""
     word_bytes, _ = WORDS[words]
     # 0 stands for packed words, which have as many bytes as the bits need.
-    return word_bytes or (shape.bits + 7) // 8
+    return word_bytes or (layout.bit_count + 7) // 8
 
 
-def _list_other_forms(words: WordKind, shape: Shape) -> Iterator[WordKind]:
+def _list_other_forms(words: WordKind, layout: FrameLayout) -> Iterator[WordKind]:
     """Yield the forms other than ``words`` that are wide enough for these frames."""
     for form in get_args(WordKind):
-        word_bits = 8 * _find_word_length(form, shape)
-        if form != words and word_bits >= shape.bits:
+        word_bits = 8 * _find_word_length(form, layout)
+        if form != words and word_bits >= layout.bit_count:
             yield form
 
 
-def _read_first_frames(head: bytes, words: WordKind, shape: Shape) -> Any:
+def _read_first_frames(head: bytes, words: WordKind, layout: FrameLayout) -> Any:
     """Return the first frames of a file as numbers, at most 1000. The frames are read in the form ``words``."""
-    length = _find_word_length(words, shape)
+    length = _find_word_length(words, layout)
     count = min(len(head) // length, FIRST)
     rows = np.frombuffer(head, np.uint8, count=count * length).reshape(-1, length)
     return rows_to_numbers(rows, words)

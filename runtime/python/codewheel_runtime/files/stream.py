@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeVar, cast
 
 from ..bulk.decode import decode_many
-from ..bulk.shape import Shape
+from ..bulk.shape import FrameLayout
 from ..bulk.table import FrameSource, Table
 from ..bulk.words import DigitKind, WordKind
 from ..codec import whole_number
@@ -20,7 +20,7 @@ from ..errors import ErrorKind, InputError, UsageError
 from ..packages import load
 from ..reports import Verdict
 from .inputs import FileKind, Source, StorageFormat, read_seconds
-from .layouts import Layout, find_shape
+from .layouts import FrameKind, find_frame_layout
 from .partitions import PartitionDecoder, check_distinct_names
 from .sinks import SINKS, Plan, Sink, TargetKind, find_target_kind
 from .sources import open_source
@@ -30,8 +30,8 @@ np: Any = load("numpy")
 
 __all__ = [
     "Files",
+    "FrameKind",
     "InputError",
-    "Layout",
     "Summary",
     "UsageError",
 ]
@@ -153,12 +153,12 @@ class Files(NamedTuple):
             OSError: A file cannot be read or written.
         """
         encoder = self._find_encoder(encoder)
-        shape = find_shape(encoder, layout, answers)
+        frame_layout = find_frame_layout(encoder, layout, answers)
         output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
         # Speeds need the times, even if the column is not written.
         wanted = (*columns, "time") if si and columns else columns
         storage = StorageFormat(kind, words, column, digits, cut, wanted)
-        return _decode_file(encoder, shape, os.fspath(source), storage, output, limit, progress)
+        return _decode_file(encoder, frame_layout, os.fspath(source), storage, output, limit, progress)
 
     def decode_partition(
         self,
@@ -198,7 +198,7 @@ class Files(NamedTuple):
             UsageError: The arguments are wrong or incompatible with each other.
         """
         encoder = self._find_encoder(encoder)
-        decoder = PartitionDecoder(encoder, find_shape(encoder, layout, answers), column, digits, raw)
+        decoder = PartitionDecoder(encoder, find_frame_layout(encoder, layout, answers), column, digits, raw)
         return cast(_Part, decoder.decode(part))
 
     def _find_encoder(self, encoder: Encoder | str) -> Encoder:
@@ -245,7 +245,7 @@ def find_target_format(target: str | os.PathLike[str], to: TargetKind | None) ->
 
 def _decode_file(
     encoder: Encoder,
-    shape: Shape,
+    frame_layout: FrameLayout,
     source: str,
     storage: StorageFormat,
     output: Output,
@@ -263,24 +263,24 @@ def _decode_file(
         InputError: The source does not contain such frames.
     """
     # A table without frames shows which columns the result has.
-    empty_result = decode_many([], shape, encoder)
+    empty_result = decode_many([], frame_layout, encoder)
     speed_columns = SpeedColumns("time", source) if output.si else None
     if speed_columns is not None:
         empty_result = speed_columns.extend_empty(empty_result.with_columns(time=np.zeros(0)))
 
     def find_valid_fraction(frames: Any) -> float:
         """Return the fraction of valid frames."""
-        return float(decode_many(frames, shape, encoder).ok.mean())
+        return float(decode_many(frames, frame_layout, encoder).ok.mean())
 
     with (
-        open_source(source, storage, shape, find_valid_fraction) as frame_source,
+        open_source(source, storage, frame_layout, find_valid_fraction) as frame_source,
         open_for_writing(output.target, [source], output.force) as file,
     ):
         if speed_columns is not None:
             _check_columns_for_speeds(frame_source, empty_result, source)
         plan = make_plan(empty_result, frame_source, output.columns, source, output.raw)
         with SINKS[output.kind](file, plan) as sink:
-            return decode_parts(frame_source, shape, encoder, sink, limit, progress, speed_columns)
+            return decode_parts(frame_source, frame_layout, encoder, sink, limit, progress, speed_columns)
 
 
 def _check_columns_for_speeds(frame_source: Source, empty_result: Table, source: str) -> None:
@@ -296,7 +296,7 @@ def _check_columns_for_speeds(frame_source: Source, empty_result: Table, source:
 
 def decode_parts(
     frame_source: Source,
-    shape: Shape,
+    frame_layout: FrameLayout,
     encoder: FrameSource | None,
     sink: Sink,
     limit: int | None = None,
@@ -321,7 +321,7 @@ def decode_parts(
         # The first rows up to the limit. A slice up to None takes all rows.
         rows_left = None if limit is None else limit - counts.frames
         rows = slice(rows_left)
-        table = decode_many(part.frames[rows], shape, encoder)
+        table = decode_many(part.frames[rows], frame_layout, encoder)
         counts.add(table)
         if len(table.fault):
             other_columns = {name: column[rows] for name, column in part.other_columns.items()}

@@ -25,10 +25,10 @@ from ..codec import (
 from ..errors import RangeError
 
 if TYPE_CHECKING:
-    from ..bulk.shape import Check, Column, CrcOf, Shape, Unused
+    from ..bulk.shape import Check, Column, CrcOf, FrameLayout, Unused
 
 
-def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
+def encode_number(fields: Any, layout: FrameLayout, arguments: tuple[Any, ...]) -> int:
     """Return a frame as a number, including parity bits and CRC. ``fields`` is the frame with its fields as attributes.
 
     ``arguments`` are the encoder and the answers that the description of the frame needs.
@@ -36,51 +36,51 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     Raises:
         RangeError: A value does not fit its field.
     """
-    number = shape.fixed
-    for column in shape.columns:
-        number |= _encode_field(fields, column) << column.low
-    for check in shape.checks:
+    number = layout.fixed
+    for column in layout.columns:
+        number |= _encode_field(fields, column) << column.lowest_bit
+    for check in layout.checks:
         bits = check.take(number)
         if not check.is_within(bits):
-            raise _limit_error(shape, check, bits)
+            raise _limit_error(layout, check, bits)
     # A register can keep bits that belong to no field, at their places. Other unused bits are as in the manual.
-    if shape.kept_mask is not None:
-        number |= check_bits("unused", fields.unused, shape.kept_mask)
-    elif shape.unused:
-        number |= _encode_unused_bits(fields.unused, shape.unused)
+    if layout.kept_mask is not None:
+        number |= check_bits("unused", fields.unused, layout.kept_mask)
+    elif layout.unused:
+        number |= _encode_unused_bits(fields.unused, layout.unused)
     # The limits of a register apply to one value: its name in messages, and its attribute.
-    if shape.limited is not None:
-        name_in_messages, attribute = shape.limited
+    if layout.limited is not None:
+        name_in_messages, attribute = layout.limited
         check_limits(name_in_messages, getattr(fields, attribute), fields.limits(*arguments))
     # The parity covers the Gray code, and the CRC covers both.
-    number = _convert_from_binary(number, shape)
-    for check in shape.parities:
-        number |= check.parity(number) << check.low
-    if shape.crc is not None:
-        number |= compute_crc(number, shape.crc) << shape.crc.low
+    number = _convert_from_binary(number, layout)
+    for check in layout.parities:
+        number |= check.parity(number) << check.lowest_bit
+    if layout.crc is not None:
+        number |= compute_crc(number, layout.crc) << layout.crc.lowest_bit
     return number
 
 
-def _convert_from_binary(number: int, shape: Shape) -> int:
+def _convert_from_binary(number: int, layout: FrameLayout) -> int:
     """Convert the binary numbers in a frame to the codes that are sent: separate digits and Gray code."""
-    for coding in shape.digit_codings:
+    for coding in layout.digit_codings:
         number = to_digits(number, *coding)
-    if shape.gray is None:
+    if layout.gray is None:
         return number
-    low, width = shape.gray
-    return to_gray(number, low, width, shape.excess)
+    lowest_bit, width = layout.gray
+    return to_gray(number, lowest_bit, width, layout.excess)
 
 
-def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
+def _limit_error(layout: FrameLayout, check: Check, bits: int) -> RangeError:
     """Return the error for a field that is outside its limits.
 
     ``check`` contains these limits, and ``bits`` are the bits of the field.
     """
     if check.joined:
-        return RangeError(shape.position, bits, f"at most {check.limit}")
+        return RangeError(layout.position, bits, f"at most {check.limit}")
     # The field of a check is the one with exactly the same bits of the frame.
-    checked_bits = (check.low, check.width)
-    column = next(candidate for candidate in shape.columns if (candidate.low, candidate.width) == checked_bits)
+    checked_bits = (check.lowest_bit, check.width)
+    column = next(candidate for candidate in layout.columns if (candidate.lowest_bit, candidate.width) == checked_bits)
     field_name = column.field or column.name
     if column.kind == "signed":
         return RangeError(field_name, signed(bits, check.width), f"{check.lowest} to {check.limit}")
@@ -90,16 +90,16 @@ def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
 def _encode_unused_bits(differing: Any, unused_fields: tuple[Unused, ...]) -> int:
     """Return the unused bits of a frame at their places, with the manual's values inverted where ``differing`` has a 1.
 
-    ``differing`` contains all unused bits side by side: ``place`` is a bit in this number, and ``low`` a bit in the
-    frame.
+    ``differing`` contains all unused bits side by side: ``bit_in_column`` is a bit in this number, and ``lowest_bit`` a
+    bit in the frame.
     """
-    mask = sum(((1 << unused.width) - 1) << unused.place for unused in unused_fields)
+    mask = sum(((1 << unused.width) - 1) << unused.bit_in_column for unused in unused_fields)
     differing_bits = check_bits("unused", differing, mask)
     number = 0
     for unused in unused_fields:
-        bits_to_send = (differing_bits >> unused.place) ^ unused.value
+        bits_to_send = (differing_bits >> unused.bit_in_column) ^ unused.value
         width_mask = (1 << unused.width) - 1
-        number |= (bits_to_send & width_mask) << unused.low
+        number |= (bits_to_send & width_mask) << unused.lowest_bit
     return number
 
 
@@ -112,7 +112,7 @@ def _encode_field(fields: Any, column: Column) -> int:
     width = column.width
     if column.kind == "digits":
         number = 0
-        for digits_name, divisor, modulus in column.runs:
+        for digits_name, divisor, modulus in column.digit_groups:
             digits = check_limits(digits_name, getattr(fields, digits_name), (0, modulus - 1))
             number += digits * divisor
         return number

@@ -146,7 +146,7 @@ class Captures(NamedTuple):
 
 
 class _Channels(Protocol):
-    """Layout of frames with several data channels: a ``ChannelLayout``, whose module imports this one."""
+    """FrameKind of frames with several data channels: a ``ChannelLayout``, whose module imports this one."""
 
     @property
     def bits(self) -> int: ...
@@ -197,7 +197,7 @@ def _read_capture(capture_input: CaptureInput) -> Capture:
             _report_exchanged_lines(capture_input)
             raise
     log.finish()
-    table = decode_many(np.concatenate(frames), capture_frames.shape, capture_input.encoder)
+    table = decode_many(np.concatenate(frames), capture_frames.layout, capture_input.encoder)
     if not table.ok.any():
         _report_exchanged_lines(capture_input)
     table = table.with_columns(**{capture_frames.time_column: np.concatenate(times)})
@@ -215,7 +215,7 @@ def _report_exchanged_lines(capture_input: CaptureInput) -> None:
     frame_count = valid_count = lost_count = 0
     with suppress(InputError), open_capture(capture_input._replace(swap_lines=True)) as swapped:
         for part in swapped.parts:
-            table = decode_many(part.frames, swapped.shape, encoder)
+            table = decode_many(part.frames, swapped.layout, encoder)
             valid_count += int(table.ok.sum())
             frame_count += len(part.frames)
             lost_count += len(part.lost)
@@ -254,7 +254,8 @@ def _decode_capture(
         plan = make_plan(empty_table, frame_source, output.columns, paths[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
             try:
-                frames = decode_parts(frame_source, capture_frames.shape, encoder, sink, limit, progress, speed_columns)
+                layout = capture_frames.layout
+                frames = decode_parts(frame_source, layout, encoder, sink, limit, progress, speed_columns)
             except InputError:
                 _report_exchanged_lines(capture_input)
                 raise
@@ -275,7 +276,7 @@ def _make_empty_table(
     Raises UsageError if the frames have a field with the name of the column of times.
     """
     time_column = capture_frames.time_column
-    table = decode_many([], capture_frames.shape, encoder)
+    table = decode_many([], capture_frames.layout, encoder)
     if time_column in table:
         raise UsageError(f"the frames have a field '{time_column}', but this is the column of times")
     table = table.with_columns(**{time_column: np.zeros(0)})

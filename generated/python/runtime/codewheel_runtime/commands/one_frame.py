@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast, get_args, get_type_hints
 from ..encoder import Encoder
 from ..errors import FrameError, LengthError
 from ..frames.decoders import cached_decoder, raise_error
-from ..frames.descriptions import find_any_shape, find_kinds
+from ..frames.descriptions import find_any_layout, find_kinds
 from ..reports import Interface, Report, Verdict
 from .common import (
     DONE,
@@ -47,8 +47,8 @@ def parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
         return digits
     if re.fullmatch("[01]{2,}", digits):
         raise CommandFailed(f"{text[:60]!r} could be bits or hexadecimal digits. Prefix it with 0b or 0x", USAGE)
-    # Frames of more than 64 bits are decoded from bytes, so their shapes have a length in bytes.
-    are_long_frames = all(find_any_shape(frame_class, encoder).length for frame_class in find_kinds(encoder))
+    # Frames of more than 64 bits are decoded from bytes, so their layouts have a length in bytes.
+    are_long_frames = all(find_any_layout(frame_class, encoder).byte_count for frame_class in find_kinds(encoder))
     if are_long_frames and re.fullmatch("([0-9a-fA-F]{2})+", digits):
         return bytes.fromhex(digits)
     return int(digits, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", digits) else None
@@ -67,11 +67,11 @@ def _name_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) 
         # An encoder with several classes identifies its frames by a field.
         return ""
     (decoded_kind,) = decoded_kinds
-    decoded_bits = find_any_shape(decoded_kind, encoder).bits
+    decoded_bits = find_any_layout(decoded_kind, encoder).bit_count
     names: list[str] = []
     for frame_class in find_kinds(encoder):
         # A number in hexadecimal does not show its leading zeros, so a short frame would be valid as a long one.
-        has_same_length = find_any_shape(frame_class, encoder).bits == decoded_bits
+        has_same_length = find_any_layout(frame_class, encoder).bit_count == decoded_bits
         may_fit = has_same_length or isinstance(result, LengthError)
         if frame_class is not decoded_kind and may_fit and _is_valid_as(frame_class, encoder, frame):
             names.append(frame_class.__name__)

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import Any, BinaryIO, Final
 
 from ..bulk.arrow import NoFrame, read_arrow
-from ..bulk.shape import Shape
+from ..bulk.shape import FrameLayout
 from ..bulk.words import quote
 from ..errors import InputError
 from ..packages import load
@@ -19,7 +19,7 @@ from .inputs import FrameBatch, Source, StorageFormat, find_column, select_colum
 _BUFFER_BYTES: Final = 1 << 20
 
 
-def read_parquet_batches(file: BinaryIO, name: str, storage: StorageFormat, shape: Shape) -> Source:
+def read_parquet_batches(file: BinaryIO, name: str, storage: StorageFormat, layout: FrameLayout) -> Source:
     """Open a Parquet file, and return a source that reads the frames and the other columns later.
 
     Raises:
@@ -41,12 +41,12 @@ def read_parquet_batches(file: BinaryIO, name: str, storage: StorageFormat, shap
     # The keys are the names of the other columns that the user wants.
     empty_columns = select_columns(other_names, storage, make_empty_column, name)
     kept_names = tuple(empty_columns)
-    parts = _read_batches(opened_file, frame_column, kept_names, name, storage, shape)
+    parts = _read_batches(opened_file, frame_column, kept_names, name, storage, layout)
     return Source(parts, total, other_names, empty_columns)
 
 
 def _read_batches(
-    file: Any, frame_column: str, kept_names: tuple[str, ...], name: str, storage: StorageFormat, shape: Shape
+    file: Any, frame_column: str, kept_names: tuple[str, ...], name: str, storage: StorageFormat, layout: FrameLayout
 ) -> Generator[FrameBatch, None, None]:
     """Yield the frames of a column, with the other columns of the same rows, and the number of rows read so far.
 
@@ -67,7 +67,7 @@ def _read_batches(
             if batch is None:
                 return
         try:
-            frames = read_arrow(batch.column(frame_column), shape, storage.digits, rows_before=rows_read)
+            frames = read_arrow(batch.column(frame_column), layout, storage.digits, rows_before=rows_read)
         except NoFrame as error:
             row_number = rows_read + error.row + 1
             raise InputError(name, str(error), place=f"row {row_number} of column {quote(frame_column)}") from None
