@@ -230,7 +230,7 @@ class ChannelLayout:
         """
         from .captures.capture import Probes, read_channel_capture
 
-        probes = Probes(clock=clock, data=data, rate=rate, rest=rest, threshold=threshold)
+        probes = Probes(clock=clock, data=data, rate=rate, shortest_pause=rest, threshold=threshold)
         return read_channel_capture(self, source, probes)
 
     def compare(self, channels: Sequence[Any]) -> bool:

@@ -226,31 +226,30 @@ def _check_zero(field: _Field, lowest_bit: int) -> Check:
 
 def _list_unused_bits(placed_fields: Sequence[_PlacedField]) -> Iterator[Unused]:
     """Yield the unused bits of a frame, which are side by side in the column ``unused``."""
-    place = 0
+    bit_in_column = 0
     for field, lowest_bit in placed_fields:
         if field.name == "unused":
-            yield Unused(lowest_bit, field.width, value=0, bit_in_column=place)
-            place += field.width
+            yield Unused(lowest_bit, field.width, value=0, bit_in_column=bit_in_column)
+            bit_in_column += field.width
 
 
 def _find_crc(placed_fields: Sequence[_PlacedField], bits: int) -> CrcOf | None:
     """Return the CRC of a frame of ``bits`` bits, or None without one. It covers all bits before it."""
     for field, lowest_bit in placed_fields:
         if field.name == "crc":
-            return CrcOf(
-                lowest_bit, field.width, compare_bits(field.crc(), covered=bits - field.width, width=field.width)
-            )
+            find_difference = compare_bits(field.crc(), covered=bits - field.width, width=field.width)
+            return CrcOf(lowest_bit, field.width, find_difference)
     return None
 
 
-def _parse_field(text: str) -> _Field:
+def _parse_field(field_text: str) -> _Field:
     """Return the field for a part of a layout, such as ``position=32``, ``error`` or ``crc=6:0x43``.
 
     Raises:
         UsageError: The text is not a field.
     """
-    not_a_field = UsageError(f"{quote(text)} is not a field; {_FIELDS_HELP}")
-    name, equals_sign, numbers_text = text.strip().partition("=")
+    not_a_field = UsageError(f"{quote(field_text)} is not a field; {_FIELDS_HELP}")
+    name, equals_sign, numbers_text = field_text.strip().partition("=")
     is_flag = name in _VERDICT_BY_FLAG
     # Only a flag needs no width: it has 1 bit.
     if not equals_sign and not is_flag:
@@ -266,35 +265,35 @@ def _parse_field(text: str) -> _Field:
     if is_flag and width != 1:
         raise UsageError(f"{name} is one bit, not {width}")
     if name == "crc":
-        return _parse_crc_field(text, width, crc_numbers)
+        return _parse_crc_field(field_text, width, crc_numbers)
     if crc_numbers:
         raise not_a_field
     return _Field(name, width)
 
 
-def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
-    """Return the field of a CRC. ``numbers`` are its polynomial and, if it is not 0, its start value.
+def _parse_crc_field(field_text: str, width: int, crc_numbers: Sequence[int]) -> _Field:
+    """Return the field of a CRC. ``crc_numbers`` are its polynomial and, if it is not 0, its start value.
 
     ``crc=6:0x43`` has the numbers ``[0x43]``, and its field has the polynomial ``0x03``, without the highest bit.
-    ``text`` is the field as it was written, for the error.
+    ``field_text`` is the field as it was written, for the error.
 
     Raises:
         UsageError: A number does not fit the width, the polynomial is missing or even, there are too many numbers, or
             the CRC has more than 32 bits.
     """
-    top_bit = 1 << width
-    poly = numbers[0] if numbers else 0
-    init = numbers[1] if len(numbers) > 1 else 0
-    is_odd = bool(poly & 1)
+    polynomial_top_bit = 1 << width
+    polynomial = crc_numbers[0] if crc_numbers else 0
+    start_value = crc_numbers[1] if len(crc_numbers) > 1 else 0
+    is_odd = bool(polynomial & 1)
     is_narrow = width <= 32
-    if numbers and is_narrow and not is_odd:
-        reason = f"the last term of its polynomial must be 1, so {poly:#x} needs bit 0 set"
-        raise UsageError(f"{quote(text)} is not a CRC: {reason}")
+    if crc_numbers and is_narrow and not is_odd:
+        reason = f"the last term of its polynomial must be 1, so {polynomial:#x} needs bit 0 set"
+        raise UsageError(f"{quote(field_text)} is not a CRC: {reason}")
     # The polynomial may be written with its top bit.
-    fits = poly < 2 * top_bit and init < top_bit
-    if not is_narrow or not is_odd or not fits or len(numbers) > 2:
-        raise UsageError(f"{quote(text)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
-    return _Field("crc", width, poly & (top_bit - 1), init)
+    fits = polynomial < 2 * polynomial_top_bit and start_value < polynomial_top_bit
+    if not is_narrow or not is_odd or not fits or len(crc_numbers) > 2:
+        raise UsageError(f"{quote(field_text)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
+    return _Field("crc", width, polynomial & (polynomial_top_bit - 1), start_value)
 
 
 def _parse_number(text: str) -> int:

@@ -146,7 +146,7 @@ class Captures(NamedTuple):
 
 
 class _Channels(Protocol):
-    """FrameKind of frames with several data channels: a ``ChannelLayout``, whose module imports this one."""
+    """Layout of frames with several data channels: a ``ChannelLayout``, whose module imports this one."""
 
     @property
     def bits(self) -> int: ...
@@ -162,8 +162,9 @@ def read_channel_capture(layout: _Channels, source: Captured, probes: Probes) ->
     frames_of_parts: list[Any] = []
     times_of_parts: list[Any] = []
     with open_captured_signals(source, signal_names, probes) as (signals, file_name):
-        # ``rest`` is the shortest pause between two frames that the user has chosen, or None.
-        parts = find_clocked_frames(signals, file_name, kind="biss", bits=layout.bits, pause=probes.rest)
+        parts = find_clocked_frames(
+            signals, file_name, kind="biss", frame_bits=layout.bits, pause=probes.shortest_pause
+        )
         for part in parts:
             log.add(part)
             frames_of_parts.append(part.frames)

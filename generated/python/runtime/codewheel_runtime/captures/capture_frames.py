@@ -21,7 +21,7 @@ from .probes import Probes
 from .serial_bytes import find_exported_columns, read_exported_bytes, read_serial_bytes
 from .signal_files import open_signals
 from .signals import SignalNames, Signals, read_array
-from .uart import Kinds, find_replies
+from .uart import FrameKinds, find_replies
 
 #: Files, or an array of samples.
 Captured = Any
@@ -159,8 +159,9 @@ def _find_frames(
     frame_layout = find_frame_layout(encoder, layout, answers) if isinstance(encoder, Encoder) else encoder.layout
     if frame_layout.bit_count > 64:
         raise UsageError(f"frames of {frame_layout.bit_count} bits do not fit into words of 64")
-    # ``rest`` is the shortest pause between two frames that the user has chosen, or None.
-    parts = find_clocked_frames(signals, name, kind=interface_name, bits=frame_layout.bit_count, pause=probes.rest)
+    parts = find_clocked_frames(
+        signals, name, kind=interface_name, frame_bits=frame_layout.bit_count, pause=probes.shortest_pause
+    )
     return CaptureFrames(parts=parts, layout=frame_layout, time_column=time_column, total=signals.total)
 
 
@@ -172,21 +173,23 @@ def _prepend(
     yield from following
 
 
-def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
+def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> FrameKinds:
     """Return all kinds of frames on a serial line: replies from the encoder and requests from the master.
 
     A kind whose description needs answers to open questions is omitted, unless ``layout`` requests it.
     ``layout`` is empty if no kind is requested.
     """
-    wanted = find_frame_kind(encoder, layout).name if layout else ""
+    wanted_kind = find_frame_kind(encoder, layout).name if layout else ""
     layouts_by_sender: dict[str, dict[str, FrameLayout]] = {"encoder": {}, "master": {}}
     for frame_kind in list_frame_kinds(encoder):
-        is_wanted = frame_kind.name == wanted
+        is_wanted = frame_kind.name == wanted_kind
         if is_wanted or not frame_kind.answers:
             needed_answers: Mapping[str, Any] = answers if is_wanted else {}
             frame_layout = find_frame_layout(encoder, frame_kind.name, needed_answers)
             layouts_by_sender[frame_kind.sender][frame_kind.name] = frame_layout
-    return Kinds(replies=layouts_by_sender["encoder"], requests=layouts_by_sender["master"], wanted=wanted)
+    return FrameKinds(
+        replies=layouts_by_sender["encoder"], requests=layouts_by_sender["master"], wanted_kind=wanted_kind
+    )
 
 
 def _find_baud_rate(encoder: Encoder, probes: Probes) -> float:
