@@ -116,7 +116,7 @@ def _read_series(series: Any, layout: FrameLayout, digits: DigitKind | None) -> 
     for row, cell in enumerate(frames.tolist()):
         cell_frames.append(None if missing[row] else _read_cell(cell, layout, cells, row))
     if cells.are_mostly_unread:
-        raise ValueError(f"row {cells.place + 1}: {cells.error}")
+        raise ValueError(f"row {cells.error_place + 1}: {cells.error}")
     return cell_frames
 
 

@@ -317,7 +317,7 @@ def decode_parts(
     if limit is not None and whole_number("limit", limit) < 0:
         raise UsageError(f"limit must be at least 0, got {limit}")
     counts = _Counts()
-    for part in frame_source.parts:
+    for part in frame_source.batches:
         # The first rows up to the limit. A slice up to None takes all rows.
         rows_left = None if limit is None else limit - counts.frames
         rows = slice(rows_left)
@@ -328,10 +328,10 @@ def decode_parts(
             extended_table = table if add_columns is None else add_columns(table, other_columns)
             sink.write(extended_table, other_columns)
         if progress is not None:
-            progress(part.amount_read, frame_source.total, counts.frames)
+            progress(part.amount_read, frame_source.total_amount, counts.frames)
         if limit is not None and counts.frames >= limit:
             break
-    return counts.summary(sink.lost)
+    return counts.summary(sink.lost_cell_count)
 
 
 class SpeedColumns:
@@ -420,7 +420,7 @@ def make_plan(empty_result: Table, frame_source: Source, columns: Sequence[str],
     Raises:
         UsageError: A requested column does not exist, or a column of the file has the name of a field.
     """
-    existing_names = [*frame_source.names, *empty_result.names]
+    existing_names = [*frame_source.other_names, *empty_result.names]
     unknown_names = [name for name in columns if name not in existing_names]
     if unknown_names:
         raise UsageError(f"no column '{unknown_names[0][:40]}'; the columns are {', '.join(existing_names)}")
@@ -429,4 +429,4 @@ def make_plan(empty_result: Table, frame_source: Source, columns: Sequence[str],
     written_names = columns or (*frame_source.empty_columns, *empty_result.names)
     # Each name is written once, in the order of its first occurrence.
     names = tuple(dict.fromkeys(written_names))
-    return Plan(names=names, source_columns=frame_source.empty_columns, empty=empty_result, raw=raw)
+    return Plan(names=names, source_columns=frame_source.empty_columns, empty_table=empty_result, raw=raw)
