@@ -726,7 +726,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, low=0, width=gray_bits)
+                    word = from_gray(word, lowest_bit=0, width=gray_bits)
                 values = (
                     variant,
                     word >> multiturn_low,  # multiturn
@@ -900,7 +900,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     computed_crc = received_crc ^ difference
                     raise CrcError(received_crc, computed_crc)
                 if variant.biss_gray:
-                    word = from_gray(word, low=8, width=gray_bits)
+                    word = from_gray(word, lowest_bit=8, width=gray_bits)
                 values = (
                     variant,
                     word >> multiturn_low,  # multiturn

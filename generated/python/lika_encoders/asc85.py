@@ -589,7 +589,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, low=0, width=frame_bits)
+                    word = from_gray(word, lowest_bit=0, width=frame_bits)
                 values = (
                     variant,
                     word,  # position

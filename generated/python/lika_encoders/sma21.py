@@ -897,7 +897,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, low=1, width=position_bits)
+                    word = from_gray(word, lowest_bit=1, width=position_bits)
                 values = (
                     variant,
                     word >> 1,  # position
@@ -1044,7 +1044,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     computed_crc = received_crc ^ difference
                     raise CrcError(received_crc, computed_crc)
                 if variant.biss_gray:
-                    word = from_gray(word, low=8, width=position_bits)
+                    word = from_gray(word, lowest_bit=8, width=position_bits)
                 padding_ = word >> padding_low
                 if padding_:
                     raise ConstantError("padding", padding_, 0)

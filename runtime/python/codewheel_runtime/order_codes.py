@@ -26,8 +26,8 @@ class OrderCodeError(ValueError):
 
     Attributes:
         label: The label.
-        part: Name of the wrong part. The first of several parts that cannot be combined, or empty if it is
-        unknown. reason: Description of the error.
+        part: Name of the wrong part. The first of several parts that cannot be combined, or empty if it is unknown.
+        reason: Description of the error.
         nearest: Order codes most similar to the label.
     """
 

@@ -83,9 +83,9 @@ class _StartBits(NamedTuple):
         levels_before: Level of the data line before the cycle.
         acknowledgement_times: Time at which the data line goes low. Infinity if it stays high.
         arrival_times: Time at which the data line rises with the start bit. Infinity if it stays low.
-        last_rise_numbers: Number of the last rising edge of the clock before the start bit arrives. -1 if there is
-        none. delays: Delay of the start bit after this edge. late_periods: Number of whole periods by which the
-        acknowledgement, and therefore the data line, is late.
+        last_rise_numbers: Number of the last rising edge of the clock before the start bit arrives. -1 without one.
+        delays: Delay of the start bit after this edge.
+        late_periods: Number of whole periods by which the acknowledgement, and therefore the data line, is late.
     """
 
     levels_before: Any

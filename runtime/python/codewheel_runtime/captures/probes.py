@@ -18,8 +18,7 @@ class Probes(NamedTuple):
         data: Channel of the data line (SLO), or of the serial line.
         rate: Sample rate in Hz, needed if the file does not specify it.
         shortest_pause: Shortest pause of the clock between two cycles, in seconds, or in samples if the sample rate is
-        unknown.
-            The default is 1.4 periods. Use a longer pause if the master pauses within a frame.
+            unknown. The default is 1.4 periods. Use a longer pause if the master pauses within a frame.
         baud: Bits per second on a serial line, if they differ from the manual, or bits per sample if the sample rate is
             unknown.
         threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their

@@ -38,8 +38,10 @@ class StorageFormat(NamedTuple):
             first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
             ``big32`` of four bytes.
         frame_column: Name of the column with the frames. For CSV, this may be its number, from 1. Empty for the
-        default. number_base: Base of numbers in text without ``0x`` or ``0b``. ignores_incomplete_frame: True to ignore
-        an incomplete frame at the end. wanted_columns: Names of the other columns to keep. Empty to keep all.
+            default.
+        number_base: Base of numbers in text without ``0x`` or ``0b``.
+        ignores_incomplete_frame: True to ignore an incomplete frame at the end.
+        wanted_columns: Names of the other columns to keep. Empty to keep all.
     """
 
     kind: FileKind | None = None
