@@ -220,7 +220,7 @@ def test_every_kind_states_the_facts_of_kinds(kind: type) -> None:
     assert [name for name in FACTS_OF_KINDS if not hasattr(kind, name)] == []
 
 
-LEVEL = Column("level", 0, 8, kind=cast("Any", "unknown"))
+LEVEL = Column("level", 0, 8, value_kind=cast("Any", "unknown"))
 #: Parts of the Python runtime that go by the kind of a column.
 INTERPRETERS: dict[str, Callable[[], object]] = {
     "types": lambda: list_column_types(FrameLayout(8, columns=(LEVEL,))),

@@ -14,7 +14,7 @@ from codewheel_runtime.captures.any_biss import biss_layout
 
 #: A frame of 64 bits has no bit left that could show a wrong number.
 LAYOUT = biss_layout("position=64")
-ROWS = FrameLayout(16, byte_count=2, columns=(Column("position", 0, 16, kind="number"),), position="position")
+ROWS = FrameLayout(16, byte_count=2, columns=(Column("position", 0, 16, value_kind="number"),), position="position")
 LENGTH = 1
 
 

@@ -40,9 +40,14 @@ _RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
         "DescribedVerdictCause": "VerdictCause",
         "DescribedReportCause": "ReportCause",
         "answered": "chosen_verdict",
+        "fault": "error_kind",
+        "kind": "value_kind",
+        "limit": "highest",
         "low": "lowest_bit",
         "place": "bit_in_column",
         "runs": "digit_groups",
+        "values": "allowed_values",
+        "when": "required_values",
     }
 )
 #: Members of a plan's description that are lists, except the columns.
@@ -89,7 +94,7 @@ class ShapeLiteral:
         if self.plan.keeps_undefined_bits:
             yield "kept_mask", SourceText(str(mask_without_field(layout_class.context.scope, self.plan)))
         if layout_class.register is not None and layout_class.limited_attribute:
-            yield "limited", (layout_class.register.limits_of, layout_class.limited_attribute)
+            yield "limited_value", (layout_class.register.limits_of, layout_class.limited_attribute)
         yield "default_verdict", self._default_verdict()
         yield "frame", self._frame_with_special_range()
 
@@ -175,7 +180,7 @@ class ShapeLiteral:
         elif is_named(meaning_of(field)):
             valid_values = SourceText(layout_class.enum(field))
         arguments = dict(self._call_of(column).arguments)
-        return record("Column", arguments, field=name_in_messages, values=valid_values)
+        return record("Column", arguments, field=name_in_messages, allowed_values=valid_values)
 
     def _crc_of_encoder(self, crcs: Sequence[FrameCrc]) -> Literal:
         """Return the code for the CRC of a frame, or None if the frame has no CRC.
@@ -205,13 +210,17 @@ class ShapeLiteral:
             place_arguments = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(layout)}"'
             if layout.exchanged_bytes:
                 place_arguments += f", exchanged_bytes={layout.exchanged_bytes}"
-            members["differs"] = SourceText(f"compare_bytes({layout_class.crc_name(frame_crc)}, {place_arguments})")
+            members["find_difference"] = SourceText(
+                f"compare_bytes({layout_class.crc_name(frame_crc)}, {place_arguments})"
+            )
             if crc.is_xor:
                 members |= {"xorout": crc.xorout, "is_xor": True}
         else:
             gap = f", gap={frame_crc.bits_between}" if frame_crc.bits_between else ""
             place_arguments = f"covered={layout_class.number(frame_crc.covered)}, width={crc.width}{gap}"
-            members["differs"] = SourceText(f"compare_bits({layout_class.crc_name(frame_crc)}, {place_arguments})")
+            members["find_difference"] = SourceText(
+                f"compare_bits({layout_class.crc_name(frame_crc)}, {place_arguments})"
+            )
             if frame_crc.steps:
                 members |= {"xorout": crc.xorout, "steps": _fold_steps(frame_crc)}
         return CallLiteral("CrcOf", tuple(members.items()))

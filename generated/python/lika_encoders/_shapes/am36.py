@@ -113,7 +113,7 @@ def layout_of_single_cycle_data(variant: BissEncoder) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=0,
             width=6,
-            differs=compare_bits(
+            find_difference=compare_bits(
                 crc_biss_6,
                 covered=variant.used_singleturn_bits + variant.used_multiturn_bits + 2,
                 width=6,
@@ -184,9 +184,9 @@ def layout_of_register_configuration() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("counting_direction", lowest_bit=6, width=1, kind="choice", values=CountingDirection),
-            Column("output_code", lowest_bit=5, width=1, kind="choice", values=OutputCode),
-            Column("enable_preset", lowest_bit=2, width=1, kind="choice", values=EnablePreset),
+            Column("counting_direction", lowest_bit=6, width=1, value_kind="choice", allowed_values=CountingDirection),
+            Column("output_code", lowest_bit=5, width=1, value_kind="choice", allowed_values=OutputCode),
+            Column("enable_preset", lowest_bit=2, width=1, value_kind="choice", allowed_values=EnablePreset),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -215,7 +215,7 @@ def layout_of_register_information_per_revolution() -> FrameLayout:
         fields=(
             BitField("steps", low=0, width=24),
         ),
-        limited=("steps", "steps"),
+        limited_value=("steps", "steps"),
     )
 
 
@@ -234,7 +234,7 @@ def layout_of_register_number_of_revolutions() -> FrameLayout:
         fields=(
             BitField("revolutions", low=0, width=16),
         ),
-        limited=("revolutions", "revolutions"),
+        limited_value=("revolutions", "revolutions"),
     )
 
 
@@ -255,7 +255,7 @@ def layout_of_register_preset(variant: BissEncoder) -> FrameLayout:
             BitField("position", low=0, width=36),
         ),
         position="position",
-        limited=("position", "position"),
+        limited_value=("position", "position"),
     )
 
 
@@ -322,10 +322,10 @@ def layout_of_register_device_id() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("model", lowest_bit=32, width=16, kind="text"),
-            Column("interface_code", lowest_bit=16, width=16, kind="text"),
-            Column("enclosure", lowest_bit=8, width=8, kind="text"),
-            Column("software_version", lowest_bit=0, width=8, kind="text"),
+            Column("model", lowest_bit=32, width=16, value_kind="text"),
+            Column("interface_code", lowest_bit=16, width=16, value_kind="text"),
+            Column("enclosure", lowest_bit=8, width=8, value_kind="text"),
+            Column("software_version", lowest_bit=0, width=8, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -346,7 +346,7 @@ def layout_of_register_manufacturer_id() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", lowest_bit=0, width=16, kind="text"),
+            Column("name", lowest_bit=0, width=16, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(

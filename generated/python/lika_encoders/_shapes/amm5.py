@@ -82,8 +82,8 @@ def layout_of_single_cycle_data(variant: BissEncoder) -> FrameLayout:
         columns=(
             Column("multiturn", lowest_bit=variant.singleturn_bits + 8, width=variant.multiturn_bits),
             Column("singleturn", lowest_bit=8, width=variant.singleturn_bits),
-            Column("error", lowest_bit=7, width=1, kind="not_flag"),
-            Column("warning", lowest_bit=6, width=1, kind="not_flag"),
+            Column("error", lowest_bit=7, width=1, value_kind="not_flag"),
+            Column("warning", lowest_bit=6, width=1, value_kind="not_flag"),
         ),
         # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
@@ -130,7 +130,11 @@ def layout_of_single_cycle_data(variant: BissEncoder) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=0,
             width=6,
-            differs=compare_bits(crc_biss_6, covered=variant.singleturn_bits + variant.multiturn_bits + 2, width=6),
+            find_difference=compare_bits(
+                crc_biss_6,
+                covered=variant.singleturn_bits + variant.multiturn_bits + 2,
+                width=6,
+            ),
             xorout=63,
             steps=(
                 Fold(shift=24, mask=0xFFFFFF, back=4),
@@ -155,17 +159,17 @@ def layout_of_data_request() -> FrameLayout:
         order="little",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("data_id", lowest_bit=3, width=4, kind="choice", values=(0, 1, 2, 3, 7, 8, 12)),
+            Column("data_id", lowest_bit=3, width=4, value_kind="choice", allowed_values=(0, 1, 2, 3, 7, 8, 12)),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(0, 1, 2, 3, 7, 8, 12)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(0, 1, 2, 3, 7, 8, 12)),
         ),
         # Parity bits, which are computed last.
         parities=(
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -192,10 +196,10 @@ def layout_of_eeprom_write_request(adf_layout: AdfLayout) -> FrameLayout:
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(lowest_bit=adf_layout.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(6,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=adf_layout.mem_busy_bit + 8, width=1, error_kind=ErrorKind.CONSTANT, allowed_values=(0,)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(6,)),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -211,7 +215,7 @@ def layout_of_eeprom_write_request(adf_layout: AdfLayout) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=24,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -233,10 +237,10 @@ def layout_of_eeprom_read_request(adf_layout: AdfLayout) -> FrameLayout:
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(lowest_bit=adf_layout.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(13,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=adf_layout.mem_busy_bit + 8, width=1, error_kind=ErrorKind.CONSTANT, allowed_values=(0,)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(13,)),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -251,7 +255,7 @@ def layout_of_eeprom_read_request(adf_layout: AdfLayout) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=16,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=3, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=3, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -269,9 +273,9 @@ def layout_of_singleturn_reply(variant: Rs485Encoder) -> FrameLayout:
         order="little",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("data_id", lowest_bit=3, width=4, kind="choice", values=(0, 7, 8, 12)),
-            Column("status_st_error", lowest_bit=12, width=1, kind="flag"),
-            Column("status_other_error", lowest_bit=13, width=1, kind="flag"),
+            Column("data_id", lowest_bit=3, width=4, value_kind="choice", allowed_values=(0, 7, 8, 12)),
+            Column("status_st_error", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_other_error", lowest_bit=13, width=1, value_kind="flag"),
             Column("singleturn", lowest_bit=16, width=variant.singleturn_bits),
         ),
         # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
@@ -281,19 +285,19 @@ def layout_of_singleturn_reply(variant: Rs485Encoder) -> FrameLayout:
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
                 lowest_bit=variant.singleturn_bits + 16,
                 width=24 - variant.singleturn_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(0, 7, 8, 12)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(0, 7, 8, 12)),
         ),
         # Parity bits, which are computed last.
         parities=(
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -326,7 +330,7 @@ def layout_of_singleturn_reply(variant: Rs485Encoder) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=40,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=6, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=6, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -346,8 +350,8 @@ def layout_of_multiturn_reply(variant: Rs485Encoder) -> FrameLayout:
         order="little",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("status_st_error", lowest_bit=12, width=1, kind="flag"),
-            Column("status_other_error", lowest_bit=13, width=1, kind="flag"),
+            Column("status_st_error", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_other_error", lowest_bit=13, width=1, value_kind="flag"),
             Column("multiturn", lowest_bit=16, width=variant.multiturn_bits),
         ),
         # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
@@ -357,15 +361,15 @@ def layout_of_multiturn_reply(variant: Rs485Encoder) -> FrameLayout:
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
                 lowest_bit=variant.multiturn_bits + 16,
                 width=24 - variant.multiturn_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(1,)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(1,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -398,7 +402,7 @@ def layout_of_multiturn_reply(variant: Rs485Encoder) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=40,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=6, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=6, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -418,8 +422,8 @@ def layout_of_encoder_id_reply() -> FrameLayout:
         order="little",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("status_st_error", lowest_bit=12, width=1, kind="flag"),
-            Column("status_other_error", lowest_bit=13, width=1, kind="flag"),
+            Column("status_st_error", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_other_error", lowest_bit=13, width=1, value_kind="flag"),
             Column("encoder_id", lowest_bit=16, width=8),
         ),
         # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
@@ -429,9 +433,9 @@ def layout_of_encoder_id_reply() -> FrameLayout:
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(2,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(2,)),
         ),
         # Conditions of each report.
         report_causes=(
@@ -456,7 +460,7 @@ def layout_of_encoder_id_reply() -> FrameLayout:
         crc=CrcOf(
             lowest_bit=24,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -474,16 +478,16 @@ def layout_of_complete_reply(variant: Rs485Encoder) -> FrameLayout:
         order="little",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("status_st_error", lowest_bit=12, width=1, kind="flag"),
-            Column("status_other_error", lowest_bit=13, width=1, kind="flag"),
+            Column("status_st_error", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_other_error", lowest_bit=13, width=1, value_kind="flag"),
             Column("singleturn", lowest_bit=16, width=variant.singleturn_bits),
             Column("encoder_id", lowest_bit=40, width=8),
             Column("multiturn", lowest_bit=48, width=variant.multiturn_bits),
-            Column("busy", lowest_bit=73, width=1, kind="flag"),
-            Column("st_error", lowest_bit=74, width=1, kind="flag"),
-            Column("ps_error", lowest_bit=77, width=1, kind="flag"),
-            Column("mt_error", lowest_bit=78, width=1, kind="flag"),
-            Column("battery_alarm", lowest_bit=79, width=1, kind="flag"),
+            Column("busy", lowest_bit=73, width=1, value_kind="flag"),
+            Column("st_error", lowest_bit=74, width=1, value_kind="flag"),
+            Column("ps_error", lowest_bit=77, width=1, value_kind="flag"),
+            Column("mt_error", lowest_bit=78, width=1, value_kind="flag"),
+            Column("battery_alarm", lowest_bit=79, width=1, value_kind="flag"),
         ),
         # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
@@ -498,21 +502,21 @@ def layout_of_complete_reply(variant: Rs485Encoder) -> FrameLayout:
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
                 lowest_bit=variant.singleturn_bits + 16,
                 width=24 - variant.singleturn_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
             Check(
                 lowest_bit=variant.multiturn_bits + 48,
                 width=24 - variant.multiturn_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(3,)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(3,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -572,7 +576,7 @@ def layout_of_complete_reply(variant: Rs485Encoder) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=80,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=11, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=11, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -594,14 +598,14 @@ def layout_of_eeprom_write_reply(adf_layout: AdfLayout) -> FrameLayout:
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
             Column("address", lowest_bit=adf_layout.eeprom_address_bit + 8, width=7),
-            Column("mem_busy", lowest_bit=adf_layout.mem_busy_bit + 8, width=1, kind="flag"),
+            Column("mem_busy", lowest_bit=adf_layout.mem_busy_bit + 8, width=1, value_kind="flag"),
             Column("data", lowest_bit=16, width=8),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(6,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(6,)),
         ),
         # Conditions of each report.
         report_causes=(
@@ -621,7 +625,7 @@ def layout_of_eeprom_write_reply(adf_layout: AdfLayout) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=24,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -640,14 +644,14 @@ def layout_of_eeprom_read_reply(adf_layout: AdfLayout) -> FrameLayout:
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
             Column("address", lowest_bit=adf_layout.eeprom_address_bit + 8, width=7),
-            Column("mem_busy", lowest_bit=adf_layout.mem_busy_bit + 8, width=1, kind="flag"),
+            Column("mem_busy", lowest_bit=adf_layout.mem_busy_bit + 8, width=1, value_kind="flag"),
             Column("data", lowest_bit=16, width=8),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(13,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(13,)),
         ),
         # Conditions of each report.
         report_causes=(
@@ -667,7 +671,7 @@ def layout_of_eeprom_read_reply(adf_layout: AdfLayout) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=24,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -701,7 +705,7 @@ def layout_of_register_preset(variant: BissEncoder) -> FrameLayout:
             BitField("zero_below_singleturn", low=0, width=33 - variant.singleturn_bits),
         ),
         position="position",
-        limited=("position", "position"),
+        limited_value=("position", "position"),
     )
 
 
@@ -718,7 +722,7 @@ def layout_of_register_serial_number() -> FrameLayout:
                 "serial",
                 lowest_bit=0,
                 width=32,
-                kind="digits",
+                value_kind="digits",
                 digit_groups=(("year", 10_000_000, 100), ("week", 100_000, 100), ("number", 1, 100_000)),
             ),
         ),
@@ -738,7 +742,7 @@ def layout_of_register_device_id() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", lowest_bit=16, width=32, kind="text"),
+            Column("name", lowest_bit=16, width=32, value_kind="text"),
             Column("release", lowest_bit=0, width=16),
         ),
         # All fields, including constants, parity bits and CRCs.
@@ -758,7 +762,7 @@ def layout_of_register_manufacturer_id() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", lowest_bit=0, width=16, kind="text"),
+            Column("name", lowest_bit=0, width=16, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(

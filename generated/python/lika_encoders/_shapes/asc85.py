@@ -70,12 +70,12 @@ def layout_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Fram
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
             Column("position", lowest_bit=zero_bit.zero_bits + 8, width=variant.position_bits),
-            Column("error", lowest_bit=7, width=1, kind="not_flag"),
-            Column("warning", lowest_bit=6, width=1, kind="not_flag"),
+            Column("error", lowest_bit=7, width=1, value_kind="not_flag"),
+            Column("warning", lowest_bit=6, width=1, value_kind="not_flag"),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=8, width=zero_bit.zero_bits, fault=ErrorKind.CONSTANT, values=(0,)),
+            Check(lowest_bit=8, width=zero_bit.zero_bits, error_kind=ErrorKind.CONSTANT, allowed_values=(0,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -99,7 +99,7 @@ def layout_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Fram
         crc=CrcOf(
             lowest_bit=0,
             width=6,
-            differs=compare_bits(crc_biss_6, covered=zero_bit.zero_bits + variant.position_bits + 2, width=6),
+            find_difference=compare_bits(crc_biss_6, covered=zero_bit.zero_bits + variant.position_bits + 2, width=6),
             xorout=63,
             steps=(
                 Fold(shift=12, mask=0xFFF, back=2),
@@ -161,14 +161,14 @@ def layout_of_register_diagnostic_data() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("amplitude_control_maximum_current", lowest_bit=7, width=1, kind="flag"),
-            Column("signal_level_maximum_amplitude", lowest_bit=6, width=1, kind="flag"),
-            Column("dc_maximum_offset", lowest_bit=5, width=1, kind="flag"),
-            Column("ac_maximum_amplitude", lowest_bit=4, width=1, kind="flag"),
-            Column("amplitude_control_minimum_current", lowest_bit=3, width=1, kind="flag"),
-            Column("signal_level_minimum_amplitude", lowest_bit=2, width=1, kind="flag"),
-            Column("dc_minimum_offset", lowest_bit=1, width=1, kind="flag"),
-            Column("ac_minimum_amplitude", lowest_bit=0, width=1, kind="flag"),
+            Column("amplitude_control_maximum_current", lowest_bit=7, width=1, value_kind="flag"),
+            Column("signal_level_maximum_amplitude", lowest_bit=6, width=1, value_kind="flag"),
+            Column("dc_maximum_offset", lowest_bit=5, width=1, value_kind="flag"),
+            Column("ac_maximum_amplitude", lowest_bit=4, width=1, value_kind="flag"),
+            Column("amplitude_control_minimum_current", lowest_bit=3, width=1, value_kind="flag"),
+            Column("signal_level_minimum_amplitude", lowest_bit=2, width=1, value_kind="flag"),
+            Column("dc_minimum_offset", lowest_bit=1, width=1, value_kind="flag"),
+            Column("ac_minimum_amplitude", lowest_bit=0, width=1, value_kind="flag"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -193,14 +193,14 @@ def layout_of_register_status() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("configuration_completed", lowest_bit=7, width=1, kind="flag"),
-            Column("error_message", lowest_bit=6, width=1, kind="flag"),
-            Column("warning_message", lowest_bit=5, width=1, kind="flag"),
-            Column("conf_write_access", lowest_bit=4, width=1, kind="flag"),
-            Column("eds_write_access", lowest_bit=3, width=1, kind="flag"),
-            Column("internal_data_bus_busy", lowest_bit=2, width=1, kind="flag"),
-            Column("absolute_data_valid", lowest_bit=1, width=1, kind="flag"),
-            Column("position_data_valid", lowest_bit=0, width=1, kind="flag"),
+            Column("configuration_completed", lowest_bit=7, width=1, value_kind="flag"),
+            Column("error_message", lowest_bit=6, width=1, value_kind="flag"),
+            Column("warning_message", lowest_bit=5, width=1, value_kind="flag"),
+            Column("conf_write_access", lowest_bit=4, width=1, value_kind="flag"),
+            Column("eds_write_access", lowest_bit=3, width=1, value_kind="flag"),
+            Column("internal_data_bus_busy", lowest_bit=2, width=1, value_kind="flag"),
+            Column("absolute_data_valid", lowest_bit=1, width=1, value_kind="flag"),
+            Column("position_data_valid", lowest_bit=0, width=1, value_kind="flag"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -246,12 +246,12 @@ def layout_of_register_error_register() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("absolute_data_error", lowest_bit=6, width=1, kind="flag"),
-            Column("interpolation_error", lowest_bit=5, width=1, kind="flag"),
-            Column("configuration_error", lowest_bit=4, width=1, kind="flag"),
-            Column("synchronization_error", lowest_bit=3, width=1, kind="flag"),
-            Column("signal_error", lowest_bit=1, width=1, kind="flag"),
-            Column("control_error", lowest_bit=0, width=1, kind="flag"),
+            Column("absolute_data_error", lowest_bit=6, width=1, value_kind="flag"),
+            Column("interpolation_error", lowest_bit=5, width=1, value_kind="flag"),
+            Column("configuration_error", lowest_bit=4, width=1, value_kind="flag"),
+            Column("synchronization_error", lowest_bit=3, width=1, value_kind="flag"),
+            Column("signal_error", lowest_bit=1, width=1, value_kind="flag"),
+            Column("control_error", lowest_bit=0, width=1, value_kind="flag"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -276,8 +276,8 @@ def layout_of_register_device_id() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", lowest_bit=16, width=32, kind="text"),
-            Column("release", lowest_bit=0, width=16, kind="text"),
+            Column("name", lowest_bit=16, width=32, value_kind="text"),
+            Column("release", lowest_bit=0, width=16, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -296,7 +296,7 @@ def layout_of_register_manufacturer_id() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", lowest_bit=0, width=16, kind="text"),
+            Column("name", lowest_bit=0, width=16, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(

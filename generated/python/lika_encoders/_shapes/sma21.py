@@ -60,7 +60,7 @@ def layout_of_ssi_word(variant: SsiEncoder) -> FrameLayout:
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
             Column("position", lowest_bit=1, width=variant.position_bits),
-            Column("error", lowest_bit=0, width=1, kind="not_flag"),
+            Column("error", lowest_bit=0, width=1, value_kind="not_flag"),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -92,16 +92,16 @@ def layout_of_single_cycle_data(variant: BissEncoder) -> FrameLayout:
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
             Column("position", lowest_bit=8, width=variant.scd_value_bits),
-            Column("error", lowest_bit=7, width=1, kind="not_flag"),
-            Column("warning", lowest_bit=6, width=1, kind="not_flag"),
+            Column("error", lowest_bit=7, width=1, value_kind="not_flag"),
+            Column("warning", lowest_bit=6, width=1, value_kind="not_flag"),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(
                 lowest_bit=variant.scd_value_bits + 8,
                 width=variant.position_bits + variant.scd_padding_bits - variant.scd_value_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
         ),
         # Conditions of each verdict, the most severe first.
@@ -130,7 +130,11 @@ def layout_of_single_cycle_data(variant: BissEncoder) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=0,
             width=6,
-            differs=compare_bits(crc_biss_6, covered=variant.position_bits + variant.scd_padding_bits + 2, width=6),
+            find_difference=compare_bits(
+                crc_biss_6,
+                covered=variant.position_bits + variant.scd_padding_bits + 2,
+                width=6,
+            ),
             xorout=63,
             steps=(
                 Fold(shift=12, mask=0xFFF, back=2),
@@ -157,17 +161,17 @@ def layout_of_data_request() -> FrameLayout:
         order="little",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("data_id", lowest_bit=3, width=4, kind="choice", values=(4, 5, 10, 11, 15)),
+            Column("data_id", lowest_bit=3, width=4, value_kind="choice", allowed_values=(4, 5, 10, 11, 15)),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(4, 5, 10, 11, 15)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(4, 5, 10, 11, 15)),
         ),
         # Parity bits, which are computed last.
         parities=(
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -189,18 +193,18 @@ def layout_of_position_reply(variant: Rs485Encoder) -> FrameLayout:
         order="little",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("data_id", lowest_bit=3, width=4, kind="choice", values=(4, 11, 15)),
-            Column("status_alarm", lowest_bit=12, width=1, kind="flag"),
-            Column("status_error", lowest_bit=13, width=1, kind="flag"),
+            Column("data_id", lowest_bit=3, width=4, value_kind="choice", allowed_values=(4, 11, 15)),
+            Column("status_alarm", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_error", lowest_bit=13, width=1, value_kind="flag"),
             Column("position", lowest_bit=16, width=variant.rs485_position_bits),
-            Column("overspeed", lowest_bit=40, width=1, kind="flag"),
-            Column("initialization_error", lowest_bit=41, width=1, kind="flag"),
-            Column("hardware_error", lowest_bit=42, width=1, kind="flag"),
-            Column("encoder_inharmonious_error", lowest_bit=43, width=1, kind="flag"),
-            Column("higher_track_error", lowest_bit=44, width=1, kind="flag"),
-            Column("low_amplitude_error", lowest_bit=45, width=1, kind="flag"),
-            Column("signal_strength_alarm", lowest_bit=46, width=1, kind="flag"),
-            Column("temperature_alarm", lowest_bit=47, width=1, kind="flag"),
+            Column("overspeed", lowest_bit=40, width=1, value_kind="flag"),
+            Column("initialization_error", lowest_bit=41, width=1, value_kind="flag"),
+            Column("hardware_error", lowest_bit=42, width=1, value_kind="flag"),
+            Column("encoder_inharmonious_error", lowest_bit=43, width=1, value_kind="flag"),
+            Column("higher_track_error", lowest_bit=44, width=1, value_kind="flag"),
+            Column("low_amplitude_error", lowest_bit=45, width=1, value_kind="flag"),
+            Column("signal_strength_alarm", lowest_bit=46, width=1, value_kind="flag"),
+            Column("temperature_alarm", lowest_bit=47, width=1, value_kind="flag"),
         ),
         # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
         unused=(
@@ -209,19 +213,19 @@ def layout_of_position_reply(variant: Rs485Encoder) -> FrameLayout:
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
                 lowest_bit=variant.rs485_position_bits + 16,
                 width=24 - variant.rs485_position_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(4, 11, 15)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(4, 11, 15)),
         ),
         # Parity bits, which are computed last.
         parities=(
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -278,7 +282,7 @@ def layout_of_position_reply(variant: Rs485Encoder) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=48,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=7, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=7, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -300,9 +304,9 @@ def layout_of_wide_position_reply() -> FrameLayout:
         order="little",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("status_alarm", lowest_bit=12, width=1, kind="flag"),
-            Column("status_error", lowest_bit=13, width=1, kind="flag"),
-            Column("position", lowest_bit=16, width=48, kind="signed"),
+            Column("status_alarm", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_error", lowest_bit=13, width=1, value_kind="flag"),
+            Column("position", lowest_bit=16, width=48, value_kind="signed"),
         ),
         # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
         unused=(
@@ -311,9 +315,9 @@ def layout_of_wide_position_reply() -> FrameLayout:
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(5,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(5,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -345,7 +349,7 @@ def layout_of_wide_position_reply() -> FrameLayout:
         crc=CrcOf(
             lowest_bit=64,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -367,17 +371,17 @@ def layout_of_identification_reply(variant: Rs485Encoder) -> FrameLayout:
         order="little",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("status_alarm", lowest_bit=12, width=1, kind="flag"),
-            Column("status_error", lowest_bit=13, width=1, kind="flag"),
+            Column("status_alarm", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_error", lowest_bit=13, width=1, value_kind="flag"),
             Column("position", lowest_bit=16, width=variant.rs485_position_bits),
-            Column("overspeed", lowest_bit=56, width=1, kind="flag"),
-            Column("initialization_error", lowest_bit=57, width=1, kind="flag"),
-            Column("hardware_error", lowest_bit=58, width=1, kind="flag"),
-            Column("encoder_inharmonious_error", lowest_bit=59, width=1, kind="flag"),
-            Column("higher_track_error", lowest_bit=60, width=1, kind="flag"),
-            Column("low_amplitude_error", lowest_bit=61, width=1, kind="flag"),
-            Column("signal_strength_alarm", lowest_bit=62, width=1, kind="flag"),
-            Column("temperature_alarm", lowest_bit=63, width=1, kind="flag"),
+            Column("overspeed", lowest_bit=56, width=1, value_kind="flag"),
+            Column("initialization_error", lowest_bit=57, width=1, value_kind="flag"),
+            Column("hardware_error", lowest_bit=58, width=1, value_kind="flag"),
+            Column("encoder_inharmonious_error", lowest_bit=59, width=1, value_kind="flag"),
+            Column("higher_track_error", lowest_bit=60, width=1, value_kind="flag"),
+            Column("low_amplitude_error", lowest_bit=61, width=1, value_kind="flag"),
+            Column("signal_strength_alarm", lowest_bit=62, width=1, value_kind="flag"),
+            Column("temperature_alarm", lowest_bit=63, width=1, value_kind="flag"),
         ),
         # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
         unused=(
@@ -386,17 +390,17 @@ def layout_of_identification_reply(variant: Rs485Encoder) -> FrameLayout:
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(lowest_bit=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
                 lowest_bit=variant.rs485_position_bits + 16,
                 width=24 - variant.rs485_position_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
-            Check(lowest_bit=40, width=8, fault=ErrorKind.CONSTANT, values=(81,)),
-            Check(lowest_bit=48, width=8, fault=ErrorKind.CONSTANT, values=(0,)),
-            Check(lowest_bit=3, width=4, fault=ErrorKind.RANGE, values=(10,)),
+            Check(lowest_bit=40, width=8, error_kind=ErrorKind.CONSTANT, allowed_values=(81,)),
+            Check(lowest_bit=48, width=8, error_kind=ErrorKind.CONSTANT, allowed_values=(0,)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(10,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -455,7 +459,7 @@ def layout_of_identification_reply(variant: Rs485Encoder) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=64,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -517,10 +521,22 @@ def layout_of_register_configuration() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("counting_direction", lowest_bit=6, width=1, kind="choice", values=CountingDirection),
-            Column("output_code", lowest_bit=5, width=1, kind="choice", values=OutputCode),
-            Column("enable_preset_offset", lowest_bit=2, width=1, kind="choice", values=EnablePresetOffset),
-            Column("select_preset_offset", lowest_bit=1, width=1, kind="choice", values=SelectPresetOffset),
+            Column("counting_direction", lowest_bit=6, width=1, value_kind="choice", allowed_values=CountingDirection),
+            Column("output_code", lowest_bit=5, width=1, value_kind="choice", allowed_values=OutputCode),
+            Column(
+                "enable_preset_offset",
+                lowest_bit=2,
+                width=1,
+                value_kind="choice",
+                allowed_values=EnablePresetOffset,
+            ),
+            Column(
+                "select_preset_offset",
+                lowest_bit=1,
+                width=1,
+                value_kind="choice",
+                allowed_values=SelectPresetOffset,
+            ),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -568,7 +584,7 @@ def layout_of_register_preset_offset() -> FrameLayout:
         fields=(
             BitField("preset_offset", low=0, width=32),
         ),
-        limited=("preset_offset", "preset_offset"),
+        limited_value=("preset_offset", "preset_offset"),
     )
 
 
@@ -635,7 +651,7 @@ def layout_of_register_device_id() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", lowest_bit=16, width=32, kind="text"),
+            Column("name", lowest_bit=16, width=32, value_kind="text"),
             Column("release", lowest_bit=0, width=16),
         ),
         # All fields, including constants, parity bits and CRCs.
@@ -655,7 +671,7 @@ def layout_of_register_manufacturer_id() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", lowest_bit=0, width=16, kind="text"),
+            Column("name", lowest_bit=0, width=16, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(

@@ -172,7 +172,7 @@ def _find_request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
             purpose=data_id.purpose.value,
             length=layout.byte_count,
             has_position=bool(layout.position) and hasattr(reply_class, "usable_position"),
-            flags=tuple(column.name for column in layout.columns if column.kind == "flag"),
+            flags=tuple(column.name for column in layout.columns if column.value_kind == "flag"),
         )
     return kinds
 
@@ -188,7 +188,7 @@ def _may_begin(layout: FrameLayout, data_id: Any) -> bool:
             return False
     for column in layout.columns:
         begins_in_first_byte = column.lowest_bit < 8
-        allowed_values = column.values
+        allowed_values = column.allowed_values
         if begins_in_first_byte and allowed_values and data_id.id not in allowed_values:
             return False
     return True

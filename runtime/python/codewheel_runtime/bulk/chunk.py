@@ -342,7 +342,7 @@ def find_crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
     if crc.is_xor:
         return _xor_all_bytes(chunk, crc.xorout)
     # For other CRCs, each byte of the frame contributes an entry of its table.
-    first_table, *other_tables = _make_crc_tables(crc.differs, chunk.bits)
+    first_table, *other_tables = _make_crc_tables(crc.find_difference, chunk.bits)
     difference = first_table[chunk.byte(0)]
     for byte_index, table in enumerate(other_tables, 1):
         difference ^= table[chunk.byte(byte_index)]

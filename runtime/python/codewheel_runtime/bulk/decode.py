@@ -206,7 +206,7 @@ def _find_faults(frames: Any, words: list[Any], layout: FrameLayout) -> Any:
         errors.append((ErrorKind.CRC, find_crc_difference(chunk, layout.crc) != 0))
     # The CRC covers the bits as they are sent. Other checks need binary numbers instead of Gray code.
     chunk.convert_to_binary(layout)
-    errors += [(check.fault, np.logical_not(_pass_check(chunk, check))) for check in layout.checks]
+    errors += [(check.error_kind, np.logical_not(_pass_check(chunk, check))) for check in layout.checks]
     if not is_made_of_bytes and layout.bit_count < 64:
         errors.append((ErrorKind.LENGTH, shift_right(frames, layout.bit_count) != 0))
     faults = np.zeros(len(frames), np.uint8)
@@ -222,10 +222,10 @@ def _pass_check(chunk: Chunk, check: Check) -> Any:
     bits = take_checked_bits(chunk, check)
     if check.parity_of:
         return bits == compute_parity(chunk, check)
-    if check.limit is not None:
-        return are_within_limits(bits, check, check.limit)
+    if check.highest is not None:
+        return are_within_limits(bits, check, check.highest)
     # A value that needs more bits than the field never occurs in it.
-    possible_values = [value for value in check.values if not (value >> check.width)]
+    possible_values = [value for value in check.allowed_values if not (value >> check.width)]
     if len(possible_values) > _MANY_VALUES:
         return np.isin(bits, np.array(possible_values, bits.dtype))
     # A few comparisons are faster than a search. They are fastest if both sides have the same NumPy type.
@@ -300,9 +300,9 @@ def _write_unused_bits(chunk: Chunk, layout: FrameLayout, out: Any) -> None:
 
 def _write_field(chunk: Chunk, field: Column, columns: Mapping[str, Any]) -> None:
     """Write the values of a field into its column, or into one column for each group of its decimal digits."""
-    match field.kind:
+    match field.value_kind:
         case "flag" | "not_flag":
-            is_active_high = field.kind == "flag"
+            is_active_high = field.value_kind == "flag"
             chunk.write_flag(field.lowest_bit, field.width, is_active_high, out=columns[field.name])
         case "choice":
             columns[field.name][:] = chunk.take(field.lowest_bit, field.width)
@@ -328,7 +328,7 @@ def _write_field(chunk: Chunk, field: Column, columns: Mapping[str, Any]) -> Non
                 number ^= sign_bit
                 number -= sign_bit
         case _:
-            assert_never(field.kind)
+            assert_never(field.value_kind)
 
 
 def _read_text(chunk: Chunk, field: Column) -> Any:
@@ -378,8 +378,8 @@ def _find_active_causes(layout: FrameLayout, columns: Mapping[str, Any]) -> dict
     any_unused_differs = bool(layout.unused) and unused.any()
     activity_by_verdict: dict[Verdict, list[Any]] = {}
     for cause in layout.verdict_causes:
-        if cause.when:
-            is_active = all_match(columns, cause.when)
+        if cause.required_values:
+            is_active = all_match(columns, cause.required_values)
         elif cause.flag:
             is_active = columns[cause.flag]
             for name in cause.unless:

@@ -77,7 +77,7 @@ def read_arrays(columns: Mapping[str, Any], layout: FrameLayout, other_names: It
     # Single values become arrays without dimensions. If there are only single values, there is one row.
     row_count = max((array.size for array in arrays.values() if array.ndim), default=1)
     for name, array in arrays.items():
-        field_kind = fields[name].kind if name in fields else "number"
+        field_kind = fields[name].value_kind if name in fields else "number"
         _check_array(name, array, columns[name], field_kind, row_count)
     return {name: np.broadcast_to(array, (row_count,)) for name, array in arrays.items()}
 
@@ -142,7 +142,7 @@ def _check_names(
     """
     optional = {"unused"}
     for name, column in fields.items():
-        if column.kind.endswith("flag") or not column.width:
+        if column.value_kind.endswith("flag") or not column.width:
             optional.add(name)
     for join in layout.joins:
         if join.name in columns:

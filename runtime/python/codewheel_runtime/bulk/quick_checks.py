@@ -52,7 +52,7 @@ def find_quick_checks(layout: FrameLayout) -> QuickChecks:
             continue
         covers_unconverted_bits = bool(check.parity_of) and (layout.gray is not None or bool(layout.digit_codings))
         byte_indices = _find_bytes_of(check)
-        possible_values = [value for value in check.values if not (value >> check.width)]
+        possible_values = [value for value in check.allowed_values if not (value >> check.width)]
         if covers_unconverted_bits:
             remaining.append(check)
         elif len(byte_indices) == 1:

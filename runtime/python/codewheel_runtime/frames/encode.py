@@ -49,8 +49,8 @@ def encode_number(fields: Any, layout: FrameLayout, arguments: tuple[Any, ...]) 
     elif layout.unused:
         number |= _encode_unused_bits(fields.unused, layout.unused)
     # The limits of a register apply to one value: its name in messages, and its attribute.
-    if layout.limited is not None:
-        name_in_messages, attribute = layout.limited
+    if layout.limited_value is not None:
+        name_in_messages, attribute = layout.limited_value
         check_limits(name_in_messages, getattr(fields, attribute), fields.limits(*arguments))
     # The parity covers the Gray code, and the CRC covers both.
     number = _convert_from_binary(number, layout)
@@ -77,14 +77,14 @@ def _limit_error(layout: FrameLayout, check: Check, bits: int) -> RangeError:
     ``check`` contains these limits, and ``bits`` are the bits of the field.
     """
     if check.joined:
-        return RangeError(layout.position, bits, f"at most {check.limit}")
+        return RangeError(layout.position, bits, f"at most {check.highest}")
     # The field of a check is the one with exactly the same bits of the frame.
     checked_bits = (check.lowest_bit, check.width)
     column = next(candidate for candidate in layout.columns if (candidate.lowest_bit, candidate.width) == checked_bits)
     field_name = column.field or column.name
-    if column.kind == "signed":
-        return RangeError(field_name, signed(bits, check.width), f"{check.lowest} to {check.limit}")
-    return RangeError(field_name, bits, f"at most {check.limit}")
+    if column.value_kind == "signed":
+        return RangeError(field_name, signed(bits, check.width), f"{check.lowest} to {check.highest}")
+    return RangeError(field_name, bits, f"at most {check.highest}")
 
 
 def _encode_unused_bits(differing: Any, unused_fields: tuple[Unused, ...]) -> int:
@@ -110,19 +110,19 @@ def _encode_field(fields: Any, column: Column) -> int:
     """
     name = column.field or column.name
     width = column.width
-    if column.kind == "digits":
+    if column.value_kind == "digits":
         number = 0
         for digits_name, divisor, modulus in column.digit_groups:
             digits = check_limits(digits_name, getattr(fields, digits_name), (0, modulus - 1))
             number += digits * divisor
         return number
     value = getattr(fields, column.name)
-    match column.kind:
+    match column.value_kind:
         case "flag" | "not_flag":
             is_active = check_flag(name, value)
             if not width and is_active:
                 raise RangeError(name, is_active, NO_SUCH_FLAG)
-            is_active_high = column.kind == "flag"
+            is_active_high = column.value_kind == "flag"
             # True counts as 1. A flag without a bit has the width 0.
             return (is_active == is_active_high) & width
         case "text":
@@ -132,7 +132,7 @@ def _encode_field(fields: Any, column: Column) -> int:
         case "number" | "choice":
             return _encode_number(name, value, column)
         case _:
-            assert_never(column.kind)
+            assert_never(column.value_kind)
 
 
 def _encode_number(name: str, value: Any, column: Column) -> int:
@@ -141,13 +141,13 @@ def _encode_number(name: str, value: Any, column: Column) -> int:
     Raises RangeError if it does not fit, or is not an allowed value of the field.
     """
     width = column.width
-    if isinstance(column.values, type):
-        return as_member(column.values, name, value)
-    if column.values:
+    if isinstance(column.allowed_values, type):
+        return as_member(column.allowed_values, name, value)
+    if column.allowed_values:
         number = whole_number(name, value)
-        if number not in column.values:
-            allowed = ", ".join(f"{allowed_value:X}h" for allowed_value in column.values)
-            if len(column.values) > 1:
+        if number not in column.allowed_values:
+            allowed = ", ".join(f"{allowed_value:X}h" for allowed_value in column.allowed_values)
+            if len(column.allowed_values) > 1:
                 allowed = f"one of {allowed}"
             raise RangeError(name, number, allowed)
         return number
@@ -164,7 +164,7 @@ def compute_crc(number: int, crc: CrcOf) -> int:
     """Return the CRC of a frame, given as a number in which the bits of the CRC are 0."""
     if not crc.steps:
         # The CRC bits are 0, so the difference from them is the CRC.
-        return crc.differs(number)
+        return crc.find_difference(number)
     # Each step folds the high bits of the number onto lower ones, at one or two places. The remainder is the CRC.
     remainder = number
     for step in crc.steps:

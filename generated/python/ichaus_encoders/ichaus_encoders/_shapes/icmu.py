@@ -53,12 +53,12 @@ def layout_of_single_cycle_data(variant: BissEncoder) -> FrameLayout:
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
             Column("position", lowest_bit=variant.zero_bits + 8, width=variant.position_bits),
-            Column("error", lowest_bit=7, width=1, kind="not_flag"),
-            Column("warning", lowest_bit=6, width=1, kind="not_flag"),
+            Column("error", lowest_bit=7, width=1, value_kind="not_flag"),
+            Column("warning", lowest_bit=6, width=1, value_kind="not_flag"),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(lowest_bit=8, width=variant.zero_bits, fault=ErrorKind.CONSTANT, values=(0,)),
+            Check(lowest_bit=8, width=variant.zero_bits, error_kind=ErrorKind.CONSTANT, allowed_values=(0,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -82,7 +82,7 @@ def layout_of_single_cycle_data(variant: BissEncoder) -> FrameLayout:
         crc=CrcOf(
             lowest_bit=0,
             width=6,
-            differs=compare_bits(crc_biss_6, covered=variant.zero_bits + variant.position_bits + 2, width=6),
+            find_difference=compare_bits(crc_biss_6, covered=variant.zero_bits + variant.position_bits + 2, width=6),
             xorout=63,
             steps=(
                 Fold(shift=12, mask=0xFFF, back=2),
@@ -107,7 +107,7 @@ def layout_of_register_mode() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("modea", lowest_bit=0, width=3, kind="choice", values=Modea),
+            Column("modea", lowest_bit=0, width=3, value_kind="choice", allowed_values=Modea),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -147,9 +147,9 @@ def layout_of_register_output_selection() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("gssi", lowest_bit=7, width=1, kind="flag"),
-            Column("rssi", lowest_bit=6, width=1, kind="flag"),
-            Column("mode_st", lowest_bit=4, width=2, kind="choice", values=ModeSt),
+            Column("gssi", lowest_bit=7, width=1, value_kind="flag"),
+            Column("rssi", lowest_bit=6, width=1, value_kind="flag"),
+            Column("mode_st", lowest_bit=4, width=2, value_kind="choice", allowed_values=ModeSt),
             Column("out_lsb", lowest_bit=0, width=4),
         ),
         # All fields, including constants, parity bits and CRCs.
@@ -281,11 +281,11 @@ def layout_of_register_status0() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("stup", lowest_bit=4, width=1, kind="flag"),
-            Column("an_max", lowest_bit=3, width=1, kind="flag"),
-            Column("an_min", lowest_bit=2, width=1, kind="flag"),
-            Column("am_max", lowest_bit=1, width=1, kind="flag"),
-            Column("am_min", lowest_bit=0, width=1, kind="flag"),
+            Column("stup", lowest_bit=4, width=1, value_kind="flag"),
+            Column("an_max", lowest_bit=3, width=1, value_kind="flag"),
+            Column("an_min", lowest_bit=2, width=1, value_kind="flag"),
+            Column("am_max", lowest_bit=1, width=1, value_kind="flag"),
+            Column("am_min", lowest_bit=0, width=1, value_kind="flag"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -309,14 +309,14 @@ def layout_of_register_status1() -> FrameLayout:
         order="big",
         # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("crc_err", lowest_bit=7, width=1, kind="flag"),
-            Column("epr_err", lowest_bit=6, width=1, kind="flag"),
-            Column("mt_err", lowest_bit=5, width=1, kind="flag"),
-            Column("mt_ctr", lowest_bit=4, width=1, kind="flag"),
-            Column("non_ctr", lowest_bit=3, width=1, kind="flag"),
-            Column("frq_abz", lowest_bit=2, width=1, kind="flag"),
-            Column("frq_cnv", lowest_bit=1, width=1, kind="flag"),
-            Column("cmd_exe", lowest_bit=0, width=1, kind="flag"),
+            Column("crc_err", lowest_bit=7, width=1, value_kind="flag"),
+            Column("epr_err", lowest_bit=6, width=1, value_kind="flag"),
+            Column("mt_err", lowest_bit=5, width=1, value_kind="flag"),
+            Column("mt_ctr", lowest_bit=4, width=1, value_kind="flag"),
+            Column("non_ctr", lowest_bit=3, width=1, value_kind="flag"),
+            Column("frq_abz", lowest_bit=2, width=1, value_kind="flag"),
+            Column("frq_cnv", lowest_bit=1, width=1, value_kind="flag"),
+            Column("cmd_exe", lowest_bit=0, width=1, value_kind="flag"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(

@@ -80,7 +80,7 @@ def _encode_rows(arrays: Mapping[str, Any], layout: FrameLayout, first_error: Fi
         if has_values:
             for piece in _encode_field(arrays, column, first_error):
                 _insert_bits(words, piece.lowest_bit, piece.width, piece.bits)
-        elif column.kind == "not_flag":
+        elif column.value_kind == "not_flag":
             # A missing flag is inactive. For an active-low flag, the bit is 1.
             _insert_bits(words, column.lowest_bit, column.width, np.ones(row_count, np.uint64))
     for join in layout.joins:
@@ -122,7 +122,7 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
     # Only a field of decimal digits has several columns, which ``_encode_digits`` takes from ``arrays``.
     first_name = list_names(column)[0]
     values = arrays[first_name]
-    match column.kind:
+    match column.value_kind:
         case "flag" | "not_flag":
             bits = _encode_flag(values, column, first_error)
         case "digits":
@@ -135,7 +135,7 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
         case "number" | "choice":
             bits = _encode_number(values, column, first_error)
         case _:
-            assert_never(column.kind)
+            assert_never(column.value_kind)
     yield _Piece(column.lowest_bit, column.width, bits)
 
 
@@ -149,7 +149,7 @@ def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
         first_error.add(is_active & (values != 1), column.name, values, allowed="True or False")
     if not column.width:
         first_error.add(is_active, column.name, values, allowed=NO_SUCH_FLAG)
-    is_active_high = column.kind == "flag"
+    is_active_high = column.value_kind == "flag"
     # The bit is 1 for an active flag that is active high, and for an inactive flag that is active low.
     is_bit_set = is_active == is_active_high
     return is_bit_set.astype(np.uint64)
@@ -295,10 +295,10 @@ def _check_values(words: list[Any], arrays: Mapping[str, Any], layout: FrameLayo
     # The column of a check is the one that covers exactly the same bits of the frame.
     columns_by_bits = {(column.lowest_bit, column.width): column for column in layout.columns}
     for check in layout.checks:
-        if check.joined and check.limit is not None:
+        if check.joined and check.highest is not None:
             joined_numbers = take_checked_bits(Chunk(words, layout.bit_count), check)
-            is_within = are_within_limits(joined_numbers, check, check.limit)
-            first_error.add(~is_within, layout.position, joined_numbers, allowed=f"at most {check.limit}")
+            is_within = are_within_limits(joined_numbers, check, check.highest)
+            first_error.add(~is_within, layout.position, joined_numbers, allowed=f"at most {check.highest}")
             continue
         column = columns_by_bits.get((check.lowest_bit, check.width))
         # No column covers constants, and parity bits are computed.
@@ -313,19 +313,19 @@ def _check_column(bits: Any, arrays: Mapping[str, Any], column: Column, check: C
 
     ``bits`` are the bits of the column in each frame.
     """
-    if check.limit is None:
-        allowed_values = ", ".join(map(str, check.values))
+    if check.highest is None:
+        allowed_values = ", ".join(map(str, check.allowed_values))
         # A value that needs more bits than the field never occurs in it.
-        possible_values = [value for value in check.values if 0 <= value < (1 << check.width)]
+        possible_values = [value for value in check.allowed_values if 0 <= value < (1 << check.width)]
         is_not_allowed = ~np.isin(bits, possible_values)
         values = arrays.get(column.name, bits)
         first_error.add(is_not_allowed, column.name, values, allowed=f"one of {allowed_values}")
         return
-    is_outside = ~are_within_limits(bits, check, check.limit)
-    if column.kind == "signed":
-        first_error.add(is_outside, column.name, arrays[column.name], allowed=f"{check.lowest} to {check.limit}")
+    is_outside = ~are_within_limits(bits, check, check.highest)
+    if column.value_kind == "signed":
+        first_error.add(is_outside, column.name, arrays[column.name], allowed=f"{check.lowest} to {check.highest}")
     else:
-        first_error.add(is_outside, column.name, bits, allowed=f"at most {check.limit}")
+        first_error.add(is_outside, column.name, bits, allowed=f"at most {check.highest}")
 
 
 def _convert_from_binary(words: list[Any], layout: FrameLayout) -> None:

@@ -17,41 +17,41 @@ from ..reports import Report, Verdict
 class Column(NamedTuple):
     """Field of ``width`` bits that starts at bit ``lowest_bit`` of the number that a frame forms.
 
-    ``kind`` is the type of value that the bits encode. ``not_flag`` is an active-low flag. If ``zero_means`` is not 0,
-    bits that are all 0 represent this number. With ``power_of_two``, only powers of two can be encoded.
+    ``value_kind`` is the type of value that the bits encode. ``not_flag`` is an active-low flag. If ``zero_means`` is
+    not 0, bits that are all 0 represent this number. With ``power_of_two``, only powers of two can be encoded.
     ``digit_groups`` contains the name, divisor and modulus of each group of decimal digits: its number is ``bits //
-    divisor % modulus``. ``field`` is the name of the field in messages, if it differs from ``name``. ``values`` lists
-    the only allowed values of the field, if they are limited. ``scale`` contains the first members of the ``Scale``
-    that converts the number to a quantity.
+    divisor % modulus``. ``field`` is the name of the field in messages, if it differs from ``name``. ``allowed_values``
+    lists the only allowed values of the field, if they are limited. ``scale`` contains the first members of the
+    ``Scale`` that converts the number to a quantity.
     """
 
     name: str
     lowest_bit: int
     width: int
-    kind: Literal["number", "signed", "flag", "not_flag", "choice", "digits", "text"] = "number"
+    value_kind: Literal["number", "signed", "flag", "not_flag", "choice", "digits", "text"] = "number"
     zero_means: int = 0
     power_of_two: bool = False
     digit_groups: tuple[tuple[str, int, int], ...] = ()
     field: str = ""
-    values: type[IntEnum] | tuple[int, ...] = ()
+    allowed_values: type[IntEnum] | tuple[int, ...] = ()
     scale: tuple[int, int, int, str] | None = None
 
 
 class Check(NamedTuple):
     """Condition on the ``width`` bits that start at ``lowest_bit``, and the error of a frame that does not meet it.
 
-    The bits must be one of ``values``, or at most ``limit``, or the parity of the bits in ``parity_of``, inverted if
-    ``odd``. Each item of ``parity_of`` is the lowest bit and the width of a covered field. ``mask`` selects which bits
-    of each covered field count. A mask of 0 selects all. If ``lowest`` is not 0, the bits are a signed number from
-    ``lowest`` to ``limit``. If ``joined`` is not empty, the bits at these places form the number together, most
-    significant first.
+    The bits must be one of ``allowed_values``, or at most ``highest``, or the parity of the bits in ``parity_of``,
+    inverted if ``odd``. Each item of ``parity_of`` is the lowest bit and the width of a covered field. ``mask`` selects
+    which bits of each covered field count. A mask of 0 selects all. If ``lowest`` is not 0, the bits are a signed
+    number from ``lowest`` to ``highest``. If ``joined`` is not empty, the bits at these places form the number
+    together, most significant first.
     """
 
     lowest_bit: int
     width: int
-    fault: ErrorKind
-    values: tuple[int, ...] = ()
-    limit: int | None = None
+    error_kind: ErrorKind
+    allowed_values: tuple[int, ...] = ()
+    highest: int | None = None
     parity_of: tuple[tuple[int, int], ...] = ()
     odd: bool = False
     mask: int = 0
@@ -76,15 +76,15 @@ class Check(NamedTuple):
         return (is_odd ^ self.odd) & self.width
 
     def is_within(self, bits: int) -> bool:
-        """Return whether the bits are at most ``limit``, and if they are signed, at least ``lowest``.
+        """Return whether the bits are at most ``highest``, and if they are signed, at least ``lowest``.
 
         Returns True if there is no limit.
         """
-        if self.limit is None:
+        if self.highest is None:
             return True
         # Modulo 2**width, the lowest number becomes 0, so one comparison checks both limits.
         mask = (1 << self.width) - 1
-        return ((bits - self.lowest) & mask) <= self.limit - self.lowest
+        return ((bits - self.lowest) & mask) <= self.highest - self.lowest
 
 
 class Fold(NamedTuple):
@@ -98,14 +98,14 @@ class Fold(NamedTuple):
 class CrcOf(NamedTuple):
     """CRC of ``width`` bits, whose lowest bit is ``lowest_bit``.
 
-    ``differs`` returns the bits in which the CRC in a frame differs from the CRC computed from the frame. If the CRC
-    can be computed by folding, ``steps`` are the steps, and ``xorout`` is the mask of the CRC bits that are sent
-    inverted. ``is_xor`` is True for a CRC that is the XOR of all bytes.
+    ``find_difference`` returns the bits in which the CRC in a frame differs from the CRC computed from the frame. If
+    the CRC can be computed by folding, ``steps`` are the steps, and ``xorout`` is the mask of the CRC bits that are
+    sent inverted. ``is_xor`` is True for a CRC that is the XOR of all bytes.
     """
 
     lowest_bit: int
     width: int
-    differs: Callable[[int], int]
+    find_difference: Callable[[int], int]
     steps: tuple[Fold, ...] = ()
     xorout: int = 0
     is_xor: bool = False
@@ -189,28 +189,28 @@ class Unused(NamedTuple):
 class VerdictCause(NamedTuple):
     """Cause of a ``verdict``: an active flag, or unused bits in ``mask`` that differ from the manual.
 
-    The flag counts only if no flag in ``unless`` is active. With ``when``, the cause is instead that these columns
-    have the given values, where 1 is an active flag.
+    The flag counts only if no flag in ``unless`` is active. With ``required_values``, the cause is instead that these
+    columns have the given values, where 1 is an active flag.
     """
 
     verdict: Verdict
     flag: str = ""
     unless: tuple[str, ...] = ()
     mask: int = 0
-    when: tuple[tuple[str, int], ...] = ()
+    required_values: tuple[tuple[str, int], ...] = ()
 
 
 class ReportCause(NamedTuple):
-    """Cause of a ``report``: an active flag, unused bits in ``mask`` that differ from the manual, or ``when``.
+    """Cause of a ``report``: an active flag, unused bits in ``mask`` that differ from the manual, or certain values.
 
-    ``when`` lists columns with the value that each must have. ``chosen_verdict`` replaces the verdict of the report if
-    your answer to an open question changes it, otherwise it is None.
+    ``required_values`` lists columns with the value that each must have. ``chosen_verdict`` replaces the verdict of the
+    report if your answer to an open question changes it, otherwise it is None.
     """
 
     report: str
     flag: str = ""
     mask: int = 0
-    when: tuple[tuple[str, int], ...] = ()
+    required_values: tuple[tuple[str, int], ...] = ()
     chosen_verdict: Verdict | None = None
 
     def of(self, reports: Mapping[str, Report]) -> Report:
@@ -223,8 +223,8 @@ class ReportCause(NamedTuple):
 
     def is_active(self, frame: Any) -> bool:
         """Return whether the report applies to a decoded frame."""
-        if self.when:
-            return all(getattr(frame, name) == value for name, value in self.when)
+        if self.required_values:
+            return all(getattr(frame, name) == value for name, value in self.required_values)
         if self.flag:
             return bool(getattr(frame, self.flag))
         return bool(frame.unused & self.mask)
@@ -239,7 +239,7 @@ class FrameLayout(NamedTuple):
     bits that are 1 in every such frame. ``position`` is the name of the column with the position, or empty if there is
     none, and ``default_verdict`` is the verdict if none of ``verdict_causes`` is active. ``fields`` are all fields in
     the order of the manual. ``kept_mask`` selects the bits of a register that belong to no field, if they are kept.
-    ``limited`` is the name of a value with limits, and its attribute. ``frame`` is the name of the frame if other
+    ``limited_value`` is the name of a value with limits, and its attribute. ``frame`` is the name of the frame if other
     frames have a different position range.
     """
 
@@ -263,7 +263,7 @@ class FrameLayout(NamedTuple):
     report_causes: tuple[ReportCause, ...] = ()
     fields: tuple[BitField, ...] = ()
     kept_mask: int | None = None
-    limited: tuple[str, str] | None = None
+    limited_value: tuple[str, str] | None = None
     frame: str = ""
 
 
@@ -291,7 +291,7 @@ def _choose_types(column: Column) -> dict[str, str]:
 
     Numbers are signed, unless they need all 64 bits.
     """
-    match column.kind:
+    match column.value_kind:
         case "digits":
             return {name: "i8" for name, _, _ in column.digit_groups}
         case "text":
@@ -303,7 +303,7 @@ def _choose_types(column: Column) -> dict[str, str]:
         case "number" | "signed":
             return {column.name: "u8" if column.width == 64 else "i8"}
         case _:
-            assert_never(column.kind)
+            assert_never(column.value_kind)
 
 
 def choose_smallest_type(width: int) -> str:
@@ -379,7 +379,7 @@ def find_deferred_fields(layout: FrameLayout, join: Join) -> list[tuple[str, int
     for name, lowest_bit_in_number in join.fields:
         column = columns_by_name[name]
         # A field with another value for 0 is not just bits of the number.
-        is_plain = column.kind == "number" and not column.zero_means
+        is_plain = column.value_kind == "number" and not column.zero_means
         if is_plain:
             deferred_fields.append((name, lowest_bit_in_number, column.width))
     return deferred_fields
@@ -401,7 +401,7 @@ def find_position_columns(layout: FrameLayout) -> frozenset[str]:
     has_verdict = layout.default_verdict is not None
     if not has_verdict:
         return frozenset()
-    return frozenset(column.name for column in layout.columns if column.kind in ("number", "signed"))
+    return frozenset(column.name for column in layout.columns if column.value_kind in ("number", "signed"))
 
 
 def find_scales(layout: FrameLayout) -> dict[str, tuple[str, Scale]]:
@@ -422,7 +422,7 @@ def holds(number: int, check: Check) -> bool:
     bits = check.take(number)
     if check.parity_of:
         return bits == check.parity(number)
-    return check.is_within(bits) if check.limit is not None else bits in check.values
+    return check.is_within(bits) if check.highest is not None else bits in check.allowed_values
 
 
 def all_match(columns: Any, values: Iterable[tuple[str, int]]) -> Any:
@@ -439,8 +439,8 @@ def find_active(columns: Any, cause: ReportCause) -> Any:
     The cause consists of columns with certain values, an active flag, or unused bits that differ from the manual.
     ``columns`` are the columns of the frames by name.
     """
-    if cause.when:
-        return all_match(columns, cause.when)
+    if cause.required_values:
+        return all_match(columns, cause.required_values)
     if cause.flag:
         return columns[cause.flag]
     unused: Any = columns["unused"]

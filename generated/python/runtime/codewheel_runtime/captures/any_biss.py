@@ -216,12 +216,12 @@ def _place_fields(fields: Sequence[_Field]) -> list[_PlacedField]:
 def _make_column(field: _Field, lowest_bit: int) -> Column:
     """Return the column of a field with a value. The flags of BiSS are active low."""
     is_flag = field.name in _VERDICT_BY_FLAG
-    return Column(field.name, lowest_bit, field.width, kind="not_flag" if is_flag else "number")
+    return Column(field.name, lowest_bit, field.width, value_kind="not_flag" if is_flag else "number")
 
 
 def _check_zero(field: _Field, lowest_bit: int) -> Check:
     """Return the check that the bits of a field are 0."""
-    return Check(lowest_bit, field.width, ErrorKind.CONSTANT, values=(0,))
+    return Check(lowest_bit, field.width, ErrorKind.CONSTANT, allowed_values=(0,))
 
 
 def _list_unused_bits(placed_fields: Sequence[_PlacedField]) -> Iterator[Unused]:

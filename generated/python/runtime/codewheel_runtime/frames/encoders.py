@@ -76,7 +76,7 @@ def make_encoder(frame_class: type, arguments: tuple[Any, ...]) -> Encode:
         return exchange_bytes(number.to_bytes(layout.byte_count, layout.order), layout.exchanged_bytes)
 
     has_slow_fields = any(_describe_usual_bits(column) is None for column in layout.columns)
-    has_limits_by_encoder = layout.limited is not None
+    has_limits_by_encoder = layout.limited_value is not None
     if has_slow_fields or has_limits_by_encoder or layout.digit_codings:
         return encode_any
     function_text = _FunctionText(layout, field_names(frame_class))
@@ -107,7 +107,7 @@ def _describe_usual_bits(column: Column) -> _Bits | None:
     width = column.width
     if column.zero_means or column.power_of_two:
         return None
-    match column.kind:
+    match column.value_kind:
         case "flag":
             return _Bits("type({0}) is bool", "{0}") if width else _Bits("{0} is False", "0")
         case "not_flag":
@@ -117,9 +117,9 @@ def _describe_usual_bits(column: Column) -> _Bits | None:
             mask = (1 << width) - 1
             # The double braces leave {0} in the text.
             return _Bits(f"type({{0}}) is int and {-end} <= {{0}} < {end}", f"({{0}} & {mask:#x})")
-        case "number" if not column.values:
+        case "number" if not column.allowed_values:
             return _Bits(f"type({{0}}) is int and not {{0}} >> {width}", "{0}")
-        case "choice" if isinstance(column.values, type):
+        case "choice" if isinstance(column.allowed_values, type):
             return _Bits("type({0}) is kind_of_{0}", "{0}")
         case _:
             return None
@@ -175,9 +175,9 @@ class _FunctionText:
         self._conditions.append(usual.condition.format(name))
         bits = usual.bits.format(name)
         self._terms.append(f"{bits} << {column.lowest_bit}" if column.lowest_bit else bits)
-        if column.kind == "choice":
+        if column.value_kind == "choice":
             # The condition of a choice compares the type of the value with this enumeration.
-            self.names[f"kind_of_{name}"] = column.values
+            self.names[f"kind_of_{name}"] = column.allowed_values
 
     def _add_unused(self, layout: FrameLayout) -> None:
         """Add code for the condition on the field ``unused``, and for the unused bits.
@@ -202,7 +202,7 @@ class _FunctionText:
         ``if not is_within_0(number >> 8 & 0xfff): return encode_any(frame)``.
         """
         for index, check in enumerate(layout.checks):
-            if check.limit is None:
+            if check.highest is None:
                 continue
             self.names[f"is_within_{index}"] = check.is_within
             if check.joined:
