@@ -294,12 +294,9 @@ def run(
 ) -> tuple[Reading, ...]:
     """Carry out the steps of a procedure in order.
 
-    If a step fails or is interrupted, opened registers are closed and modified registers are restored. Commands are
-    not undone. Values are read back before a command uses them. Omit the ``Verify`` steps for an encoder that
-    does not return the values that it stored.
-
-    On a line, unread bytes are discarded before each request, and the reply to each request is checked before the
-    next request is sent, if the length of the reply is known.
+    If a step fails or is interrupted, opened registers are closed and modified registers are restored, but commands are
+    not undone. Omit the ``Verify`` steps for an encoder that does not return the values that it stored. On a line,
+    unread bytes are discarded before each request, and each reply of known length is checked.
 
     Not yet tested on hardware.
 

@@ -70,8 +70,7 @@ class Captures(NamedTuple):
     ) -> Capture:
         """Decode a capture of a logic analyzer. Needs NumPy.
 
-        The contents show the format: sigrok, Saleae (including serial bytes), VCD, NumPy, or a table of 0 and 1 or of
-        voltages. Times of time stamps are in seconds from the first stamp.
+        The contents show the format: sigrok, Saleae (including serial bytes), VCD, NumPy, or tables of levels or volts.
 
         Args:
             encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).

@@ -61,16 +61,12 @@ def read_csv_rows(
     columns_of_file = _find_columns(first_row, file_name, storage, layout)
     other_names = tuple(column_name for _, column_name in columns_of_file.other_columns)
     empty_columns = select_columns(other_names, storage, lambda _: [], file_name)
-    kept_columns = [
-        (index, column_name) for index, column_name in columns_of_file.other_columns if column_name in empty_columns
-    ]
+    kept_columns = [(index, name) for index, name in columns_of_file.other_columns if name in empty_columns]
     first_frame = _find_first_frame(first_block, lines.line_number, columns_of_file.has_header)
-    # The fast reader cannot skip a header.
-    can_be_fast = not first_frame.is_before_header
-    fast_reader = _make_fast_reader(columns_of_file, kept_columns, delimiter, layout, storage) if can_be_fast else None
-    slow_reader = _SlowReader(
-        lines, delimiter, columns_of_file.frame_column, kept_columns, first_frame.is_before_header
-    )
+    skips_header = first_frame.is_before_header
+    # Only the slow reader skips a header.
+    fast_reader = None if skips_header else _make_fast_reader(columns_of_file, kept_columns, delimiter, layout, storage)
+    slow_reader = _SlowReader(lines, delimiter, columns_of_file.frame_column, kept_columns, skips_header)
     csv_file = _CsvFile(file_name, storage, layout, find_valid_fraction)
     parts = _CsvParts(csv_file, fast_reader, slow_reader, first_frame)
     remaining_blocks = chain([first_block[first_frame.offset :]], blocks)
