@@ -243,7 +243,7 @@ def test_captures_and_specs_read_the_same_frames() -> None:
         fields = random_biss(random_numbers)
         layout = biss_layout(fields)
         device, match = device_of_line(f"biss:{fields}")
-        bits = layout.shape.bits
+        bits = layout.layout.bit_count
         frames = [random_numbers.getrandbits(bits) for _ in range(40)]
         frames += [layout_frame(fields, random_numbers) for _ in range(40)]
         table = layout.decode_many(frames)

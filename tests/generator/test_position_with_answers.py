@@ -58,7 +58,7 @@ for answer, upper, lower in ((split.Form.EARLY, 0b10, 0b110101), (split.Form.LAT
 try:
     split.WordFrame(None, 1, 1).position
 except TypeError as error:
-    assert str(error).startswith("expected Form.EARLY or Form.LATE, got None"), error
+    assert str(error).startswith("form must be Form.EARLY or Form.LATE, got None"), error
 else:
     raise AssertionError
 """

@@ -24,7 +24,7 @@ from codewheel.plan.operations import FieldBits
 from codewheel.targets import Library, Target
 from codewheel_runtime.bulk import decode as bulk_decode
 from codewheel_runtime.bulk import encode as bulk_encode
-from codewheel_runtime.bulk.shape import Column, Shape, list_column_types
+from codewheel_runtime.bulk.shape import Column, FrameLayout, list_column_types
 from codewheel_runtime.frames import encode as frame_encode
 
 ROOT = Path(__file__).parents[2]
@@ -220,10 +220,10 @@ def test_every_kind_states_the_facts_of_kinds(kind: type) -> None:
     assert [name for name in FACTS_OF_KINDS if not hasattr(kind, name)] == []
 
 
-LEVEL = Column("level", 0, 8, kind=cast("Any", "unknown"))
+LEVEL = Column("level", 0, 8, value_kind=cast("Any", "unknown"))
 #: Parts of the Python runtime that go by the kind of a column.
 INTERPRETERS: dict[str, Callable[[], object]] = {
-    "types": lambda: list_column_types(Shape(8, columns=(LEVEL,))),
+    "types": lambda: list_column_types(FrameLayout(8, columns=(LEVEL,))),
     "encode": lambda: frame_encode._encode_field(SimpleNamespace(level=1), LEVEL),
     "decode_many": lambda: bulk_decode._write_field(cast("Any", None), LEVEL, {}),
     "encode_many": lambda: list(bulk_encode._encode_field({"level": [1]}, LEVEL, cast("Any", None))),

@@ -151,7 +151,9 @@ def test_python(generated_python: tuple[Path, ModuleType], code: str, bits: int)
             worst = min((report.makes_position for report in decoded_frame.reports), key=order.index, default=order[-1])
             assert worst is decoded_frame.verdict
     assert [first.decode(number).verdict.value for number in frames] == expected_verdicts(bits, EITHER)
-    with pytest.raises(TypeError, match=r"expected WarningCause\.EITHER_CAUSE or WarningCause\.LOW_BATTERY"):
+    with pytest.raises(
+        TypeError, match=r"warning_cause must be WarningCause\.EITHER_CAUSE or WarningCause\.LOW_BATTERY"
+    ):
         first.with_answers(warning_cause="low_battery")
 
 

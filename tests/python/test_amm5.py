@@ -190,7 +190,7 @@ def test_the_layout_of_the_adf_has_no_default(amm5: Any, not_a_form: Any) -> Non
         lambda: amm5.decode_reply(reply.encode(), encoder, adf_layout=not_a_form),
         lambda: encoder.decode(reply.encode(), adf_layout=not_a_form),
     ):
-        with pytest.raises(TypeError, match=r"expected AdfLayout.AS_PRINTED or AdfLayout.AS_T_FORMAT, got"):
+        with pytest.raises(TypeError, match=r"adf_layout must be AdfLayout.AS_PRINTED or AdfLayout.AS_T_FORMAT, got"):
             call()
     # Neither do invalid frames, nor frames that do not depend on it.
     for damaged, error in ((reply.encode()[:-1], "LengthError"), (reply.encode()[:-1] + b"\x00", "CrcError")):

@@ -8,13 +8,13 @@ from codewheel_runtime.errors import ErrorKind
 
 def test_a_signed_number_is_within_its_limits() -> None:
     """Five bits in two's complement hold -16 to 15."""
-    check = Check(0, 5, ErrorKind.RANGE, limit=7, lowest=-8)
+    check = Check(0, 5, ErrorKind.RANGE, highest=7, lowest=-8)
     numbers = {number: number & 31 for number in range(-16, 16)}
     assert {number for number, bits in numbers.items() if check.is_within(bits)} == set(range(-8, 8))
 
 
 def test_an_unsigned_number_is_at_most_its_limit() -> None:
-    check = Check(0, 5, ErrorKind.RANGE, limit=20)
+    check = Check(0, 5, ErrorKind.RANGE, highest=20)
     assert {number for number in range(32) if check.is_within(number)} == set(range(21))
     assert all(Check(0, 5, ErrorKind.RANGE).is_within(number) for number in range(32))
 

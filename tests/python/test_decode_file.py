@@ -25,7 +25,7 @@ import pyarrow
 import pyarrow.parquet
 import pytest
 from codewheel_runtime.bulk.chunk import Chunk
-from codewheel_runtime.bulk.shape import Shape
+from codewheel_runtime.bulk.shape import FrameLayout
 from codewheel_runtime.commands.main import main
 from codewheel_runtime.errors import ErrorKind, UsageError
 from codewheel_runtime.files import inputs
@@ -183,8 +183,8 @@ def test_frames_that_follow_a_register(
         (
             ("ASC8525/SC2", "0x123"),
             (
-                "ASC8525/SC2: expected ZeroBit.AS_PRINTED or ZeroBit.LEFT_OUT, got None: the manual leaves this open; "
-                "add --choose zero_bit=as_printed or --choose zero_bit=left_out"
+                "ASC8525/SC2: zero_bit must be ZeroBit.AS_PRINTED or ZeroBit.LEFT_OUT, got None: "
+                "the manual leaves this open; add --choose zero_bit=as_printed or --choose zero_bit=left_out"
             ),
         ),
     ],
@@ -597,7 +597,7 @@ def test_a_chunk_is_freed_without_the_garbage_collector(has_gray: bool) -> None:
     words = numpy.arange(8, dtype=numpy.uint64)
     chunk = Chunk([words], 45)
     if has_gray:
-        chunk.convert_to_binary(Shape(45, gray=(0, 12)))
+        chunk.convert_to_binary(FrameLayout(45, gray=(0, 12)))
     assert chunk.as_sent.words[0].tolist() == list(range(8))
     reference = weakref.ref(words)
     gc.disable()

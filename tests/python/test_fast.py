@@ -95,7 +95,7 @@ def test_an_answer_left_out_is_told_with_the_answers(families: dict[str, Family]
     """This also holds if the answer determines the length of a frame: no attribute of None is accessed."""
     module = families["odd_shapes"].module
     encoder, kind, cycle = module.lookup("OBSC"), module.Open, module.Cycle
-    message = r"expected Form\.NARROW or Form\.WIDE, got .*: the manual leaves this open$"
+    message = r"form_ must be Form\.NARROW or Form\.WIDE, got .*: the manual leaves this open$"
     asking: list[Callable[[Any], object]] = [
         lambda answer: encoder.decode(5, form_=answer),
         lambda answer: encoder.try_decode(5, form_=answer),

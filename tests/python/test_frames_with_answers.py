@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from itertools import permutations
 from pathlib import Path
 from types import ModuleType
@@ -55,5 +57,22 @@ def test_a_frame_with_a_wrong_answer_is_refused(asc85: Any) -> None:
     encoder = asc85.lookup("ASC8525/SC1")._with_changes()
     for wrong in (None, 1, []):
         frame = asc85.SingleCycleData(encoder, wrong, 1, error=False, warning=False)
-        with pytest.raises(TypeError, match="the manual leaves this open"):
+        with pytest.raises(TypeError, match=r"^zero_bit must be ZeroBit.* the manual leaves this open"):
             frame.encode()
+
+
+def test_a_request_with_exchanged_arguments_is_refused(generated_python: tuple[Path, ModuleType]) -> None:
+    """At its creation, and with the name of the argument."""
+    amm5: Any = generated_python[1].amm5
+    answer = amm5.AdfLayout.AS_PRINTED
+    message = r"^adf_layout must be AdfLayout\.AS_PRINTED or AdfLayout\.AS_T_FORMAT, got 5: "
+    for create in (
+        lambda: amm5.EepromReadRequest(5, answer),
+        lambda: amm5.EepromWriteRequest(5, answer, 3),
+        lambda: amm5.EepromWriteRequest(5, address=5, data=3),
+    ):
+        with pytest.raises(TypeError, match=message):
+            create()
+    request = amm5.EepromWriteRequest(answer, address=5, data=3)
+    assert request == pickle.loads(pickle.dumps(request)) == request._replace(address=5) == copy.deepcopy(request)
+    assert amm5.EepromWriteRequest.decode(request.encode(), answer) == request

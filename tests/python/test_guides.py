@@ -40,7 +40,8 @@ def output(every_encoder: Library, tmp_path_factory: pytest.TempPathFactory) -> 
 
 def package_folders(output: Path) -> list[Path]:
     """Return the folder of each manufacturer's package."""
-    return sorted(path.parent for path in output.rglob("setup.py"))
+    folders = {path.parent for path in output.rglob("setup.py")}
+    return sorted(folders - {output / "runtime"})
 
 
 def pages(folder: Path) -> Iterator[Path]:

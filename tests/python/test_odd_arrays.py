@@ -9,12 +9,12 @@ import pyarrow
 import pytest
 from codewheel_runtime.bulk.decode import decode_many
 from codewheel_runtime.bulk.encode import encode_many
-from codewheel_runtime.bulk.shape import Column, Shape
+from codewheel_runtime.bulk.shape import Column, FrameLayout
 from codewheel_runtime.captures.any_biss import biss_layout
 
 #: A frame of 64 bits has no bit left that could show a wrong number.
 LAYOUT = biss_layout("position=64")
-ROWS = Shape(16, length=2, columns=(Column("position", 0, 16, kind="number"),), position="position")
+ROWS = FrameLayout(16, byte_count=2, columns=(Column("position", 0, 16, value_kind="number"),), position="position")
 LENGTH = 1
 
 
@@ -94,14 +94,14 @@ def test_an_array_without_dimensions_is_not_a_row_of_frames() -> None:
 )
 def test_columns_that_cannot_be_encoded(columns: Any, message: str) -> None:
     with pytest.raises(TypeError, match=message):
-        encode_many(columns, LAYOUT.shape)
+        encode_many(columns, LAYOUT.layout)
 
 
 def test_encode_rejects_columns_of_two_dimensions() -> None:
     with pytest.raises(ValueError, match="expected one value per row"):
-        encode_many({"position": [[1, 2]]}, LAYOUT.shape)
+        encode_many({"position": [[1, 2]]}, LAYOUT.layout)
 
 
 def test_masked_columns_without_masked_values_are_encoded() -> None:
     position = LAYOUT.decode_many([5, 7]).usable_position
-    assert encode_many({"position": position}, LAYOUT.shape).tolist() == [5, 7]
+    assert encode_many({"position": position}, LAYOUT.layout).tolist() == [5, 7]

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy
 import pytest
-from codewheel_runtime.frames.descriptions import shape_of
+from codewheel_runtime.frames.descriptions import layout_of
 from codewheel_runtime.frames.encode import encode_number
 
 MULTITURN, SINGLETURN = "AMM5A21/65KSC1", "AMM5A21/1SC1"
@@ -21,6 +21,42 @@ MULTITURN, SINGLETURN = "AMM5A21/65KSC1", "AMM5A21/1SC1"
 def amm5(generated_python: tuple[Path, ModuleType]) -> Any:
     __import__("lika_encoders.amm5")
     return generated_python[1].amm5  # type: ignore[attr-defined]
+
+
+def test_messages_have_public_names(amm5: Any, generated_python: tuple[Path, ModuleType]) -> None:
+    lika: Any = generated_python[1]
+    encoder, serial = amm5.lookup(MULTITURN), amm5.lookup("AMM5A23/65KJP1")
+    calls: list[tuple[str, Callable[[], object]]] = [
+        ("SingleCycleData.__new__() missing 3 required positional", amm5.SingleCycleData),
+        ("SingleturnReply.__new__() got an unexpected keyword argument 'x'", lambda: amm5.SingleturnReply(x=1)),
+        ("DeviceId.__new__() missing 2 required positional arguments: 'name' and 'release'", amm5.DeviceId),
+        ("EepromReadRequest.__new__() missing", amm5.EepromReadRequest),
+        ("BissEncoder.decode() missing 1 required positional argument: 'frame'", encoder.decode),
+        ("BissEncoder.try_decode() got an unexpected keyword argument 'x'", lambda: encoder.try_decode(1, x=2)),
+        ("Rs485Encoder.decode() missing 1 required positional argument: 'frame'", serial.decode),
+        ("frames of the class 5 have no position", lambda: serial.range_of(5)),
+        ("expected an encoder, got 'AMM5A21'; lookup() returns one", lambda: lika.why("AMM5A21", 5)),
+    ]
+    for message, call in calls:
+        with pytest.raises(TypeError) as caught:
+            call()
+        assert str(caught.value).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("contents", "message"),
+    [
+        ({"device_id": 5}, "register 'device_id' must be bytes, got 5"),
+        ({"device_id": "41 4D"}, "register 'device_id' must be bytes, got '41 4D'"),
+        ({0x78: b"A"}, "the byte at 0x78 must be an integer, got b'A'"),
+        ({0x78: None}, "the byte at 0x78 must be an integer, got None"),
+        ({1.5: 1}, "the address of a register must be an integer, got 1.5"),
+    ],
+)
+def test_wrong_register_contents_are_named(amm5: Any, contents: Any, message: str) -> None:
+    with pytest.raises(TypeError) as caught:
+        amm5.identify(contents)
+    assert str(caught.value) == message
 
 
 @pytest.mark.parametrize(
@@ -107,9 +143,9 @@ def test_the_compiled_function_encodes_like_the_description(generated_python: tu
 
 
 def _described(frame: Any, encoder: Any) -> object:
-    shape = shape_of(type(frame), encoder)
-    number = encode_number(frame, shape, (encoder,))
-    return number.to_bytes(shape.length, shape.order) if shape.length else number
+    layout = layout_of(type(frame), encoder)
+    number = encode_number(frame, layout, (encoder,))
+    return number.to_bytes(layout.byte_count, layout.order) if layout.byte_count else number
 
 
 def _outcome(call: Callable[[], object]) -> object:

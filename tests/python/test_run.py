@@ -332,7 +332,11 @@ def test_what_is_not_steps_is_refused_before_anything_is_sent(lika: ModuleType, 
 
 @pytest.mark.parametrize(
     ("contents", "message"),
-    [("x", "must be a mapping"), ([1], "must be a mapping"), ({"a": 1}, "an address must be an integer")],
+    [
+        ("x", "must be a mapping"),
+        ([1], "must be a mapping"),
+        ({"a": 1}, "address of a register must be an integer"),
+    ],
 )
 def test_contents_that_are_no_mapping_by_address_are_refused(lika: ModuleType, contents: Any, message: str) -> None:
     with pytest.raises(TypeError, match=message):

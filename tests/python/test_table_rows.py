@@ -45,6 +45,50 @@ def test_rows_and_columns(lika: Any) -> None:
     assert not len(table[:0])
 
 
+def test_frames_are_found_by_their_values(lika: Any) -> None:
+    table = lika.lookup(CODE).decode_many([GOOD, GOOD ^ 1, SPOILT])
+    for index, row in enumerate(table):
+        assert row in table
+        assert table.index(row) == index
+        assert row not in table[index + 1 :]
+    for other in ({**table[0], "position": 5}, {}, {"position": POSITION}, POSITION, None):
+        assert other not in table
+    with pytest.raises(ValueError, match=r"^the table has no frame with these values$"):
+        table.index({**table[0], "position": 5})
+    # The first speed is NaN, which differs from itself.
+    with_speeds = table.with_columns(time=[1, 2, 3]).in_si()
+    assert [with_speeds.index(row) for row in with_speeds] == [0, 1, 2]
+
+
+def test_slices_have_any_step(lika: Any) -> None:
+    table = lika.lookup(CODE).decode_many([GOOD, GOOD ^ 1, SPOILT]).with_columns(time=[1, 2, 3])
+    rows = [*table]
+    assert [*reversed(table)] == rows[::-1]
+    for rows_taken in (slice(None, None, -1), slice(2, 0, -1), slice(None, None, 2), slice(-1, None), slice(5, 9)):
+        assert [*table[rows_taken]] == rows[rows_taken]
+    assert table[::-1].in_units("degrees")[2] == table.in_units("degrees")[0]
+    with pytest.raises(ValueError, match="slice step cannot be zero"):
+        table[::0]
+
+
+def test_tables_with_the_same_frames_are_equal(lika: Any) -> None:
+    encoder = lika.lookup(CODE)
+    words = [GOOD, GOOD ^ 1, SPOILT]
+    table = encoder.decode_many(words)
+    assert table == encoder.decode_many(words) == table[::-1][::-1] == pickle.loads(pickle.dumps(table))
+    timed_table = table.with_columns(time=[1, 2, 3]).in_si()
+    assert timed_table == table.with_columns(time=[1, 2, 3]).in_si()
+    # The bits of an invalid frame count, although its position is None in both tables.
+    other_bits = encoder.decode_many([GOOD, GOOD ^ 1 << 30 ^ 1, SPOILT])
+    others = (other_bits, table[::-1], table[:2], timed_table, timed_table[::-1], [*table], None, CODE)
+    assert not [other for other in others if table == other]
+    assert table != lika.lookup("AMM5B21/65KSC1").decode_many(words)
+    layout = lika.biss_layout("multiturn=16,singleturn=21,error,warning,crc=6:0x43")
+    assert layout == lika.biss_layout(layout.text) == copy.deepcopy(layout)
+    assert {layout: 1}[copy.copy(layout)] == 1
+    assert layout.decode_many(words) == copy.deepcopy(layout.decode_many(words))
+
+
 def test_a_table_can_be_sent_to_another_process(lika: Any) -> None:
     """Also a table with other columns, and a table of a layout without a package."""
     layout = lika.biss_layout("multiturn=16,singleturn=21,error,warning,crc=6:0x43")

@@ -64,6 +64,9 @@ def handed_over(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("handed over")
     shutil.copytree(source, folder / "source")
     shutil.copytree(source / "runtime", folder / "runtime")
+    for old_build in ("source/build/lib/lika_encoders", "source/runtime/build/lib/codewheel_runtime"):
+        (folder / old_build).mkdir(parents=True)
+        (folder / old_build / "removed.py").touch()
     first, _ = colleague_commands((folder / "source" / "README.md").read_text(encoding="utf-8"))
     command = first.replace(" dist .", "").split()[1:]
     options = ["--no-index", "--no-build-isolation", "--quiet", "--disable-pip-version-check"]
@@ -112,6 +115,14 @@ def test_no_metadata_names_a_folder_of_the_builder(handed_over: Path) -> None:
                     text = archive.read(name)
                     assert b"file:" not in text
                     assert str(handed_over).encode() not in text
+
+
+@pytest.mark.slow
+def test_a_wheel_has_no_modules_of_earlier_builds(handed_over: Path) -> None:
+    """The folder ``build`` keeps them if a package is generated again without one of its families."""
+    for wheel in (handed_over / "wheels").iterdir():
+        with zipfile.ZipFile(wheel) as archive:
+            assert not [name for name in archive.namelist() if name.endswith("/removed.py")]
 
 
 @pytest.mark.slow

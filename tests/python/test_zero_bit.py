@@ -101,6 +101,6 @@ def test_both_decode_their_own(asc85: Any) -> None:
         assert encoder.decode(frame, bits=length, zero_bit=answer).position == 1
         with pytest.raises(ValueError, match=f"expected {length} bits, got {67 - length}"):
             encoder.decode(frame, bits=67 - length, zero_bit=answer)
-    message = "expected ZeroBit.AS_PRINTED or ZeroBit.LEFT_OUT, got None: the manual leaves this open"
+    message = "zero_bit must be ZeroBit.AS_PRINTED or ZeroBit.LEFT_OUT, got None: the manual leaves this open"
     with pytest.raises(TypeError, match=message):
         encoder.decode(frame)

@@ -44,7 +44,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
 from codewheel_runtime.codec import (
@@ -92,7 +91,7 @@ from codewheel_runtime.registers import (
     is_consistent,
     read_parameters,
 )
-from codewheel_runtime.reports import Family, Interface, Movement, Verdict
+from codewheel_runtime.reports import Family, Interface, Movement, ReadOnly, Verdict
 from codewheel_runtime.steps import Modify, Read, Step, Verify, Wait, write_bytes
 
 if TYPE_CHECKING:
@@ -727,7 +726,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, low=0, width=gray_bits)
+                    word = from_gray(word, lowest_bit=0, width=gray_bits)
                 values = (
                     variant,
                     word >> multiturn_low,  # multiturn
@@ -901,7 +900,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     computed_crc = received_crc ^ difference
                     raise CrcError(received_crc, computed_crc)
                 if variant.biss_gray:
-                    word = from_gray(word, low=8, width=gray_bits)
+                    word = from_gray(word, lowest_bit=8, width=gray_bits)
                 values = (
                     variant,
                     word >> multiturn_low,  # multiturn
@@ -2188,7 +2187,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 # Every order code that the manual lists
 
-VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
+VARIANTS: Final[Mapping[str, Variant]] = ReadOnly(
     {
         variant.code: variant
         for variant in (

@@ -56,7 +56,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
 from operator import index
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
 from codewheel_runtime.codec import (
@@ -104,9 +103,9 @@ from codewheel_runtime.frames.base import (
     keep_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
-from codewheel_runtime.frames.descriptions import shape_of
+from codewheel_runtime.frames.descriptions import layout_of
 from codewheel_runtime.registers import bytes_by_address, is_consistent
-from codewheel_runtime.reports import Family, Interface, Movement, Verdict
+from codewheel_runtime.reports import Family, Interface, Movement, ReadOnly, Verdict
 from codewheel_runtime.steps import Send, Step, Verify, Wait, write_bytes
 
 if TYPE_CHECKING:
@@ -293,7 +292,7 @@ class Variant(Rotary, Wrapping):
         Raises:
             TypeError: An answer belongs to a different class.
         """
-        require_answer(WarningCause, warning_cause)
+        require_answer("warning_cause", WarningCause, warning_cause)
         return self._with_changes(
             low_battery_only=warning_cause.low_battery_only,
         )
@@ -1207,6 +1206,11 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
 
     __slots__ = ()
 
+    def __new__(cls, adf_layout: AdfLayout, address: int, data: int) -> EepromWriteRequest:
+        """Create the request. Raises TypeError for a wrong answer."""
+        require_answer("adf_layout", AdfLayout, adf_layout)
+        return super().__new__(cls, adf_layout, address, data)
+
     @property
     def data_id(self) -> DataId:
         """Data ID: Type of request, repeated in the reply."""
@@ -1247,7 +1251,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
                 if not isinstance(adf_layout, AdfLayout):
-                    raise wrong_answer_error(AdfLayout, adf_layout)
+                    raise wrong_answer_error("adf_layout", AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
@@ -1276,7 +1280,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
     @classmethod
     def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, adf_layout).fields
+        return layout_of(cls, adf_layout).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:
@@ -1352,6 +1356,11 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
 
     __slots__ = ()
 
+    def __new__(cls, adf_layout: AdfLayout, address: int) -> EepromReadRequest:
+        """Create the request. Raises TypeError for a wrong answer."""
+        require_answer("adf_layout", AdfLayout, adf_layout)
+        return super().__new__(cls, adf_layout, address)
+
     @property
     def data_id(self) -> DataId:
         """Data ID: Type of request, repeated in the reply."""
@@ -1392,7 +1401,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                 if computed_crc != data[2]:
                     raise CrcError(data[2], computed_crc)
                 if not isinstance(adf_layout, AdfLayout):
-                    raise wrong_answer_error(AdfLayout, adf_layout)
+                    raise wrong_answer_error("adf_layout", AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
@@ -1420,7 +1429,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
     @classmethod
     def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, adf_layout).fields
+        return layout_of(cls, adf_layout).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:
@@ -2257,7 +2266,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
                 if not isinstance(adf_layout, AdfLayout):
-                    raise wrong_answer_error(AdfLayout, adf_layout)
+                    raise wrong_answer_error("adf_layout", AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
@@ -2285,7 +2294,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
     @classmethod
     def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, adf_layout).fields
+        return layout_of(cls, adf_layout).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:
@@ -2405,7 +2414,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
                 if not isinstance(adf_layout, AdfLayout):
-                    raise wrong_answer_error(AdfLayout, adf_layout)
+                    raise wrong_answer_error("adf_layout", AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
@@ -2433,7 +2442,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
     @classmethod
     def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, adf_layout).fields
+        return layout_of(cls, adf_layout).fields
 
     @classmethod
     def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:
@@ -3339,7 +3348,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
 # Every order code that the manual lists
 
-VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
+VARIANTS: Final[Mapping[str, Variant]] = ReadOnly(
     {
         variant.code: variant
         for variant in (

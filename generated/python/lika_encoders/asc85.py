@@ -41,7 +41,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
 
 from codewheel_runtime.codec import (
@@ -82,9 +81,9 @@ from codewheel_runtime.frames.base import (
     encode_columns,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
-from codewheel_runtime.frames.descriptions import shape_of
+from codewheel_runtime.frames.descriptions import layout_of
 from codewheel_runtime.registers import bytes_by_address, is_consistent
-from codewheel_runtime.reports import Family, Interface, Movement, Verdict
+from codewheel_runtime.reports import Family, Interface, Movement, ReadOnly, Verdict
 from codewheel_runtime.steps import Poll, Read, Step, write_bytes
 
 if TYPE_CHECKING:
@@ -590,7 +589,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, low=0, width=frame_bits)
+                    word = from_gray(word, lowest_bit=0, width=frame_bits)
                 values = (
                     variant,
                     word,  # position
@@ -711,7 +710,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 if not isinstance(zero_bit, ZeroBit):
-                    raise wrong_answer_error(ZeroBit, zero_bit)
+                    raise wrong_answer_error("zero_bit", ZeroBit, zero_bit)
                 length = zero_bit.zero_bits + variant.position_bits + 8  # 8 = error (1) + warning (1) + crc (6)
                 # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, length, bits)
@@ -744,12 +743,12 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     @classmethod
     def bit_fields(cls, variant: BissEncoder, zero_bit: ZeroBit) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, variant, zero_bit).fields
+        return layout_of(cls, variant, zero_bit).fields
 
     @classmethod
     def frame_bits(cls, variant: BissEncoder, zero_bit: ZeroBit) -> int:
         """Return the number of bits in the frame, including the CRC if it has one."""
-        return shape_of(cls, variant, zero_bit).bits
+        return layout_of(cls, variant, zero_bit).bit_count
 
     @classmethod
     def decode_many(cls, frames: Words, variant: BissEncoder, zero_bit: ZeroBit) -> Table:
@@ -1828,7 +1827,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 # Every order code that the manual lists
 
-VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
+VARIANTS: Final[Mapping[str, Variant]] = ReadOnly(
     {
         variant.code: variant
         for variant in (

@@ -50,7 +50,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
 from codewheel_runtime.codec import (
@@ -106,7 +105,7 @@ from codewheel_runtime.registers import (
     is_consistent,
     read_parameters,
 )
-from codewheel_runtime.reports import Family, Interface, Movement, Verdict
+from codewheel_runtime.reports import Family, Interface, Movement, ReadOnly, Verdict
 from codewheel_runtime.steps import Modify, Read, Send, Step, Verify, Wait, write_bytes
 
 if TYPE_CHECKING:
@@ -898,7 +897,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, low=1, width=position_bits)
+                    word = from_gray(word, lowest_bit=1, width=position_bits)
                 values = (
                     variant,
                     word >> 1,  # position
@@ -1045,7 +1044,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     computed_crc = received_crc ^ difference
                     raise CrcError(received_crc, computed_crc)
                 if variant.biss_gray:
-                    word = from_gray(word, low=8, width=position_bits)
+                    word = from_gray(word, lowest_bit=8, width=position_bits)
                 padding_ = word >> padding_low
                 if padding_:
                     raise ConstantError("padding", padding_, 0)
@@ -2971,7 +2970,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
 # Every order code that the manual lists
 
-VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
+VARIANTS: Final[Mapping[str, Variant]] = ReadOnly(
     {
         variant.code: variant
         for variant in (

@@ -118,6 +118,11 @@ class LayoutClass:
         return names_and_descriptions
 
     @property
+    def is_request(self) -> bool:
+        """True for a frame that the master sends."""
+        return self.register is None and self.layout.sender == "master"
+
+    @property
     def can_raise_constant_error(self) -> bool:
         """True if ``decode`` can raise ConstantError."""
         return Fault.CONSTANT in self.layout_plan.faults()
@@ -220,8 +225,7 @@ class LayoutClass:
 
     def _request_default(self, field: Field) -> int | None:
         """Return the default of a number or flag in a request, or None if it has none or the frame is not a request."""
-        is_request = self.register is None and self.layout.sender == "master"
-        return field.default if is_request else None
+        return field.default if self.is_request else None
 
     def _number_attribute(self, field: Field, default: int | None) -> Attribute:
         """Return the attribute of a number, with its default unless that is None."""

@@ -167,7 +167,7 @@ def _folder_of_package(maker: Manufacturer, *, is_main: bool) -> str:
 
 def _runtime_files(folder: str) -> dict[str, str]:
     """Return the files of the runtime that all packages share, by path. ``folder`` is its folder in the output."""
-    files = {f"{folder}/{name}": (RUNTIME / name).read_text(encoding="utf-8") for name in _PROJECT_FILES}
+    files = {f"{folder}/{name}": (RUNTIME / name).read_text(encoding="utf-8") for name in (*_PROJECT_FILES, "setup.py")}
     return files | licence_in(folder) | copied_files(RUNTIME / "codewheel_runtime", f"{folder}/codewheel_runtime")
 
 

@@ -46,7 +46,6 @@ STANDARD: Mapping[str, tuple[str, ...]] = {
     "enum": ("Enum", "IntEnum"),
     "functools": ("lru_cache",),
     "operator": ("index",),
-    "types": ("MappingProxyType",),
     "typing": (
         *(
             "TYPE_CHECKING",
@@ -81,10 +80,10 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
         "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister ForEncoder InBits
             InBytes LimitedRegisterOf RegisterOf Sent decode_frames encode_columns keep_bytes""",
         "frames.decoders": "cached_decoder raise_error",
-        "frames.descriptions": "shape_of",
+        "frames.descriptions": "layout_of",
         "registers": """RegisterParameter bytes_by_address encode_register format_parameters is_consistent
             read_parameters""",
-        "reports": "Family Interface Movement Report Verdict",
+        "reports": "Family Interface Movement ReadOnly Report Verdict",
         "channels": "ChannelLayout Compared",
         "spi": "Pipeline",
         "steps": "Modify Poll Read Send Step Verify Wait write_bytes write_whole",
@@ -107,7 +106,7 @@ FACTS: Mapping[str, tuple[str, ...]] = _runtime_modules(
 #: Names that the descriptions of frames can import, by source module.
 SHAPES: Mapping[str, tuple[str, ...]] = {
     "codewheel_runtime.bulk.shape": tuple(
-        """Check Column CrcOf DigitCoding Fold Join ReportCause Shape Unused VerdictCause compare_bits
+        """Check Column CrcOf DigitCoding Fold FrameLayout Join ReportCause Unused VerdictCause compare_bits
         compare_bytes""".split()
     ),
     "codewheel_runtime.codec": ("BitField",),

@@ -40,6 +40,14 @@ _RUNTIME_NAMES: Mapping[str, str] = MappingProxyType(
         "DescribedVerdictCause": "VerdictCause",
         "DescribedReportCause": "ReportCause",
         "answered": "chosen_verdict",
+        "fault": "error_kind",
+        "kind": "value_kind",
+        "limit": "highest",
+        "low": "lowest_bit",
+        "place": "bit_in_column",
+        "runs": "digit_groups",
+        "values": "allowed_values",
+        "when": "required_values",
     }
 )
 #: Members of a plan's description that are lists, except the columns.
@@ -62,7 +70,7 @@ class ShapeLiteral:
         self.layout_plan = layout_class.layout_plan
         self._description = describe(layout_class.layout_plan, reporting)
         prefix = "register_" if layout_class.register is not None else ""
-        self.name = f"shape_of_{prefix}{layout_class.layout.name}"
+        self.name = f"layout_of_{prefix}{layout_class.layout.name}"
 
     @property
     def members(self) -> list[tuple[str, Literal]]:
@@ -73,8 +81,8 @@ class ShapeLiteral:
         """Yield all members of the shape by name, including empty members."""
         description = self._description
         layout_class = self.layout_class
-        yield "bits", self._literal_of(description.bits)
-        yield "length", description.length
+        yield "bit_count", self._literal_of(description.bits)
+        yield "byte_count", description.length
         yield "order", description.order
         yield "exchanged_bytes", description.exchanged_bytes
         yield "columns", self._value_columns()
@@ -87,7 +95,7 @@ class ShapeLiteral:
             kept_mask = mask_without_field(layout_class.device_names.translator, self.layout_plan)
             yield "kept_mask", SourceText(str(kept_mask))
         if layout_class.register is not None and layout_class.limited_attribute:
-            yield "limited", (layout_class.register.limits_of, layout_class.limited_attribute)
+            yield "limited_value", (layout_class.register.limits_of, layout_class.limited_attribute)
         yield "default_verdict", self._default_verdict()
         yield "frame", self._name_of_frame_with_special_range()
 
@@ -175,7 +183,7 @@ class ShapeLiteral:
         elif is_named(meaning_of(field)):
             valid_values = SourceText(layout_class.enum_name(field))
         arguments = dict(self._call_of(column).arguments)
-        return record_call("Column", arguments, field=name_in_messages, values=valid_values)
+        return record_call("Column", arguments, field=name_in_messages, allowed_values=valid_values)
 
     def _crc_of_encoder(self, crcs: Sequence[FrameCrc]) -> Literal:
         """Return the code for the CRC of a frame, or None if the frame has no CRC.
@@ -199,19 +207,23 @@ class ShapeLiteral:
         """Return the call that describes a CRC: the function that checks one frame, and the steps for many frames."""
         crc = frame_crc.crc
         layout_class = self.layout_class
-        arguments: dict[str, Literal] = {"low": self._literal_of(frame_crc.bits.low), "width": crc.width}
+        arguments: dict[str, Literal] = {"lowest_bit": self._literal_of(frame_crc.bits.low), "width": crc.width}
         if layout_class.layout.crc_covers_bytes:
             layout = layout_class.layout
             place_arguments = f'length={self.layout_plan.length}, width={crc.width // 8}, order="{byte_order(layout)}"'
             if layout.exchanged_bytes:
                 place_arguments += f", exchanged_bytes={layout.exchanged_bytes}"
-            arguments["differs"] = SourceText(f"compare_bytes({layout_class.crc_name(frame_crc)}, {place_arguments})")
+            arguments["find_difference"] = SourceText(
+                f"compare_bytes({layout_class.crc_name(frame_crc)}, {place_arguments})"
+            )
             if crc.is_xor:
                 arguments |= {"xorout": crc.xorout, "is_xor": True}
         else:
             gap = f", gap={frame_crc.bits_between}" if frame_crc.bits_between else ""
             place_arguments = f"covered={layout_class.to_python(frame_crc.covered_width)}, width={crc.width}{gap}"
-            arguments["differs"] = SourceText(f"compare_bits({layout_class.crc_name(frame_crc)}, {place_arguments})")
+            arguments["find_difference"] = SourceText(
+                f"compare_bits({layout_class.crc_name(frame_crc)}, {place_arguments})"
+            )
             if frame_crc.steps:
                 arguments |= {"xorout": crc.xorout, "steps": _fold_steps(frame_crc)}
         return CallLiteral("CrcOf", tuple(arguments.items()))
@@ -276,7 +288,9 @@ class ShapeLiteral:
             if member.name not in omitted and value != member.default:
                 is_positional = len(arguments) < _POSITIONAL_COUNTS.get(class_name, 0)
                 # An argument with an empty name is positional.
-                name = "" if is_positional else _RUNTIME_NAMES.get(member.name, member.name)
+                # The public class BitField has the names of the plan.
+                member_name = member.name if class_name == "BitField" else _RUNTIME_NAMES.get(member.name, member.name)
+                name = "" if is_positional else member_name
                 arguments.append((name, self._literal_of(value)))
         return CallLiteral(class_name, tuple(arguments))
 

@@ -8,7 +8,7 @@ from several manufacturers can be used together.
 from __future__ import annotations
 
 from .codec import BitField, PositionRange
-from .encoder import Encoder, Frame, PositionFrame
+from .encoder import Encoder, Frame, PositionFrame, not_an_encoder_error
 from .errors import ConstantError, CrcError, FamilyError, FrameError, InterfaceError, LengthError, RangeError
 from .order_codes import OrderCodeError
 from .reports import Family, Interface, Movement, Report, Verdict
@@ -66,7 +66,12 @@ def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
 
     Returns:
         Descriptions of the changes that make the frame valid, the most likely first. Empty if none is known.
+
+    Raises:
+        TypeError: ``encoder`` is not an encoder.
     """
     from .causes import why
 
+    if not hasattr(encoder, "decode"):
+        raise not_an_encoder_error(encoder)
     return why(encoder, frame)

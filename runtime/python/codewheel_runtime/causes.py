@@ -71,12 +71,12 @@ def _explain_dead_line(encoder: Sender, frame: object, has_check: bool) -> str:
     received = _convert_to_number(frame, _count_frame_bits(encoder))
     if received is None:
         return ""
-    number, bits = received
-    if not bits:
+    number, received_bits = received
+    if not received_bits:
         return "nothing was received. Check the supply, for loose or swapped wires, and the clock or request"
-    all_ones = (1 << bits) - 1
+    all_ones = (1 << received_bits) - 1
     has_equal_bits = number in (0, all_ones)
-    if bits < _LEAST_BITS or not has_equal_bits:
+    if received_bits < _LEAST_BITS or not has_equal_bits:
         return ""
     level = 1 if number else 0
     if not has_check:
@@ -97,10 +97,10 @@ def _explain_all_channels(encoder: Sender, frame: object) -> str:
     if channel_layout is None or received is None:
         return ""
     layout = channel_layout()
-    _, bits = received
-    if bits <= frame_bits:
+    _, received_bits = received
+    if received_bits <= frame_bits:
         return ""
-    has_all_channels = bits == layout.bits or _is_valid(layout.decode, frame)
+    has_all_channels = received_bits == layout.bits or _is_valid(layout.decode, frame)
     if not has_all_channels:
         return ""
     return "the frame has several data channels, and this decodes a single one: use channels().decode"
@@ -132,11 +132,11 @@ def _can_be_invalid(encoder: Sender) -> bool:
     Three frames are tried: 0, 1, and all bits 1. Frames of bytes and frames of unknown length are assumed to have a
     check.
     """
-    bits = _count_frame_bits(encoder)
+    frame_bits = _count_frame_bits(encoder)
     # 0 stands for bytes, or for an unknown length.
-    if not bits:
+    if not frame_bits:
         return True
-    tried_frames = (0, 1, (1 << bits) - 1)
+    tried_frames = (0, 1, (1 << frame_bits) - 1)
     return not all(_is_valid(encoder.decode, frame) for frame in tried_frames)
 
 
@@ -169,9 +169,9 @@ def _yield_changes(encoder: Sender, frame: object) -> Iterator[_Change]:
     if isinstance(frame, (bytes, bytearray, memoryview)):
         yield from _yield_changes_of_bytes(encoder, bytes(cast(bytes, frame)))
         return
-    bits = _count_frame_bits(encoder)
-    if isinstance(frame, int) and not isinstance(frame, bool) and frame >= 0 and bits:
-        yield from _yield_changes_of_number(encoder, frame, bits)
+    frame_bits = _count_frame_bits(encoder)
+    if isinstance(frame, int) and not isinstance(frame, bool) and frame >= 0 and frame_bits:
+        yield from _yield_changes_of_number(encoder, frame, frame_bits)
 
 
 def _yield_changes_of_bytes(encoder: Sender, data: bytes) -> Iterator[_Change]:
@@ -190,11 +190,11 @@ def _yield_changes_of_bytes(encoder: Sender, data: bytes) -> Iterator[_Change]:
     yield _Change("with its bytes in reverse order", data[::-1])
     reversed_bits = bytes(_reverse_bits(byte, 8) for byte in data)
     yield _Change("with the bits of each byte in reverse order: the least significant bit is sent first", reversed_bits)
-    most_bytes = min(len(data) - 1, _MOST_EXTRA_BYTES)
-    for count in range(1, most_bytes + 1):
-        bytes_text = _count_units(count, "byte")
-        yield _Change(f"without its first {bytes_text}: check for an echo or a leftover byte", data[count:])
-        yield _Change(f"without its last {bytes_text}: they may belong to the next frame", data[:-count])
+    most_extra_bytes = min(len(data) - 1, _MOST_EXTRA_BYTES)
+    for extra_count in range(1, most_extra_bytes + 1):
+        bytes_text = _count_units(extra_count, "byte")
+        yield _Change(f"without its first {bytes_text}: check for an echo or a leftover byte", data[extra_count:])
+        yield _Change(f"without its last {bytes_text}: they may belong to the next frame", data[:-extra_count])
 
 
 def _flip_each_bit(data: bytes) -> Iterator[bytes]:
@@ -205,37 +205,37 @@ def _flip_each_bit(data: bytes) -> Iterator[bytes]:
         yield flipped_number.to_bytes(len(data), "big")
 
 
-def _yield_changes_of_number(encoder: Sender, frame: int, bits: int) -> Iterator[_Change]:
-    """Yield the changes to a frame of ``bits`` bits, given as a number, that would undo each common mistake."""
-    mask = (1 << bits) - 1
-    is_too_long = frame > mask
+def _yield_changes_of_number(encoder: Sender, frame: int, frame_bits: int) -> Iterator[_Change]:
+    """Yield the changes to a frame of ``frame_bits`` bits, given as a number, that would undo each common mistake."""
+    frame_mask = (1 << frame_bits) - 1
+    is_too_long = frame > frame_mask
     if not is_too_long:
-        flipped_frames = (frame ^ (1 << bit) for bit in range(bits))
+        flipped_frames = (frame ^ (1 << bit) for bit in range(frame_bits))
         flipped_bit = _explain_by_flipped_bit(encoder, flipped_frames, name_bit=lambda bit: f"bit {bit}")
         if flipped_bit is not None:
             yield flipped_bit
-    inverted_frame = ~frame & mask
+    inverted_frame = ~frame & frame_mask
     yield _Change("with all bits inverted: check for swapped wires of the data line", inverted_frame)
     if is_too_long:
-        yield _Change(f"with only its last {bits} bits: leave out bits before the data", frame & mask)
+        yield _Change(f"with only its last {frame_bits} bits: leave out bits before the data", frame & frame_mask)
     else:
-        reversed_frame = _reverse_bits(frame, bits)
+        reversed_frame = _reverse_bits(frame, frame_bits)
         yield _Change("with its bits in reverse order: the most significant bit is sent first", reversed_frame)
         for crc_bits in _USUAL_CRC_BITS if _has_wrong_crc(encoder.decode, frame) else ():
             crc_mask = (1 << crc_bits) - 1
             yield _Change(f"with the {crc_bits} bits of its CRC inverted, as BiSS sends them", frame ^ crc_mask)
-    yield from _yield_changes_of_length(frame, mask)
+    yield from _yield_changes_of_length(frame, frame_mask)
 
 
-def _yield_changes_of_length(frame: int, mask: int) -> Iterator[_Change]:
-    """Yield the frame without its last bits, then with more bits at its end. ``mask`` is a frame of ones."""
-    for count in range(1, _MOST_EXTRA_BITS + 1):
-        bits_text = _count_units(count, "bit")
-        yield _Change(f"without its last {bits_text}: send fewer clocks, or shift right", frame >> count)
-        more_bits_text = _count_units(count, "more bit")
-        for appended in range(1 << count):
-            description = f"with {more_bits_text} at its end, {appended:0{count}b}: send more clocks"
-            yield _Change(description, ((frame << count) | appended) & mask)
+def _yield_changes_of_length(frame: int, frame_mask: int) -> Iterator[_Change]:
+    """Yield the frame without its last bits, then with more bits at its end. ``frame_mask`` is a frame of ones."""
+    for bit_count in range(1, _MOST_EXTRA_BITS + 1):
+        bits_text = _count_units(bit_count, "bit")
+        yield _Change(f"without its last {bits_text}: send fewer clocks, or shift right", frame >> bit_count)
+        more_bits_text = _count_units(bit_count, "more bit")
+        for appended_bits in range(1 << bit_count):
+            description = f"with {more_bits_text} at its end, {appended_bits:0{bit_count}b}: send more clocks"
+            yield _Change(description, ((frame << bit_count) | appended_bits) & frame_mask)
 
 
 def _explain_by_flipped_bit(
@@ -246,12 +246,16 @@ def _explain_by_flipped_bit(
     ``flipped_frames`` are the frames with bit 0, 1, … inverted, and ``name_bit`` returns the name of a bit.
     """
     decode = encoder.decode
-    valid_flips = [(bit, flipped) for bit, flipped in enumerate(flipped_frames) if _is_valid(decode, flipped)]
+    valid_flips = [
+        (bit_index, flipped_frame)
+        for bit_index, flipped_frame in enumerate(flipped_frames)
+        if _is_valid(decode, flipped_frame)
+    ]
     if not valid_flips:
         return None
     # All of them are valid, so the first one is as good as any.
-    bit, frame = valid_flips[0]
-    bit_text = name_bit(bit) if len(valid_flips) == 1 else f"one of {len(valid_flips)} bits"
+    bit_index, frame = valid_flips[0]
+    bit_text = name_bit(bit_index) if len(valid_flips) == 1 else f"one of {len(valid_flips)} bits"
     return _Change(f"with {bit_text} inverted: a disturbed bit if only some frames fail", frame)
 
 

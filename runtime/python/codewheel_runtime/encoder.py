@@ -263,7 +263,7 @@ class Encoder:
             ValueError: The manual does not say where the position wraps around.
         """
         if not hasattr(kind, "usable_position"):
-            raise TypeError(f"frames of the class {kind.__name__} have no position")
+            raise TypeError(f"frames of the class {getattr(kind, '__name__', kind)} have no position")
         return self._range_in(kind._frame_name(self))
 
     def _range_in(self, frame: str, /) -> PositionRange:
@@ -341,6 +341,8 @@ class _BoundDecoder:
         handle_error: ErrorHandler = raise_frame_error if self._name == "decode" else return_frame_error
         decode = encoder._get_decoder(handle_error)
         decode.__doc__ = self._method.__doc__
+        # Python's messages about arguments contain this name.
+        decode.__qualname__ = self._method.__qualname__
         # Later accesses find it there, before this descriptor.
         encoder.__dict__[self._name] = decode
         return decode
@@ -355,11 +357,9 @@ def _restore(encoder_class: type[_Same], state: dict[str, Any]) -> _Same:
 
 
 def load_fact(module: str, name: str) -> object:
-    """Return a table of facts, such as ``SSI``, from a family's module.
+    """Return a table of facts, such as ``SSI``, of a family's module. Their names are in capitals.
 
     It is in the package ``facts``, next to the module.
-
-    Table names are in capitals.
 
     Raises:
         AttributeError: There is no such table.
@@ -427,7 +427,12 @@ def wrong_encoder_error(
         return InterfaceError(encoder.code, encoder_interface, interface, suggestion)
     if isinstance(encoder, Encoder):
         return FamilyError(encoder.code, encoder.family.name, family_class.family.name)
-    return TypeError(f"expected an encoder, got {shorten(encoder)}; lookup() returns one for an order code")
+    return not_an_encoder_error(encoder)
+
+
+def not_an_encoder_error(value: object) -> TypeError:
+    """Return the error for a value that is not an encoder, such as the text of an order code."""
+    return TypeError(f"expected an encoder, got {shorten(value)}; lookup() returns one for an order code")
 
 
 def check_encoder(

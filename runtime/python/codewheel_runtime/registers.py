@@ -103,7 +103,7 @@ def read_parameters(
     """
     _check_contents(register_bytes)
     for address in register_bytes:
-        whole_number("an address", address)
+        whole_number("the address of a register", address)
     values: dict[str, int] = {}
     known_addresses: set[int] = set()
     encoder_parameters = _select_parameters(parameters, encoder)
@@ -197,13 +197,16 @@ def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Ma
     value: Any
     for key, value in read.items():
         if not isinstance(key, str):
-            address = whole_number("an address", key)
-            bytes_read[address] = check_width(f"the byte at {key!r}", value, 8)
+            address = whole_number("the address of a register", key)
+            bytes_read[address] = check_width(f"the byte at 0x{address:02X}", value, 8)
             continue
         register = registers.get(key)
         if register is None:
             raise ValueError(f"no register '{key}'; the registers are {', '.join(registers)}")
-        data = as_bytes(value)
+        try:
+            data = as_bytes(value)
+        except TypeError:
+            raise TypeError(f"register '{key}' must be bytes, got {shorten(value)}") from None
         if len(data) != register.length:
             raise LengthError(register.length, len(data))
         bytes_read.update(enumerate(data, register.address))

@@ -26,11 +26,11 @@ class Statistics:
 
     Attributes:
         requests: Requests that were sent, including repeated requests and requests of other kinds.
-        replies: Requests that received a valid
-        reply. failures: Requests that did not.
+        replies: Requests that received a valid reply.
+        failures: Requests that did not.
         late_replies: Replies that arrived after their request had failed.
-        extra_replies: Unrequested replies, such as second copies. conflicts:
-        Requests that received two different replies. They are included in the failures.
+        extra_replies: Unrequested replies, such as second copies.
+        conflicts: Requests that received two different replies. They are included in the failures.
     """
 
     requests: int = 0

@@ -115,7 +115,7 @@ class _Procedure:
         self.wait = wait
         self.readings: list[Reading] = []
         #: Addresses to which steps have written.
-        self._written: set[int] = set()
+        self._written_addresses: set[int] = set()
         #: Last value that was written to each byte, and to each register with a single address, by address.
         self._written_bytes: dict[int, int] = {}
         self._written_registers: dict[int, bytes] = {}
@@ -131,18 +131,18 @@ class _Procedure:
         from logging import getLogger
 
         logger = getLogger("codewheel_runtime")
-        count = len(steps)
+        step_count = len(steps)
         for index, step in enumerate(steps):
-            logger.debug("step %d of %d: %r", index + 1, count, step)
+            logger.debug("step %d of %d: %r", index + 1, step_count, step)
             try:
                 if progress is not None:
-                    progress(index, count, step)
+                    progress(index, step_count, step)
                 self.run_step(step)
             except BaseException as error:
                 # This includes interruptions, such as Ctrl-C.
                 left_open = self.restore(steps[index:])
                 open_text = left_open or "nothing"
-                logger.warning("step %d of %d failed: %r; left open: %s", index + 1, count, error, open_text)
+                logger.warning("step %d of %d failed: %r; left open: %s", index + 1, step_count, error, open_text)
                 if not isinstance(error, Exception):
                     raise
                 done = tuple(steps[:index])
@@ -154,7 +154,7 @@ class _Procedure:
         """Carry out one step, and remember what it changed."""
         bus = cast(Bus, self.bus)
         if isinstance(step, Write):
-            self._written.add(step.address)
+            self._written_addresses.add(step.address)
             self._remember_written(step.address, step.data, whole=step.length > 1)
             bus.write(step.address, step.data)
         elif isinstance(step, Wait):
@@ -239,19 +239,19 @@ class _Procedure:
             self.wait(step.every_us / 1_000_000)
         line.drain()
 
-    def restore(self, remaining: Sequence[Step]) -> tuple[str, ...]:
+    def restore(self, remaining_steps: Sequence[Step]) -> tuple[str, ...]:
         """Close the registers that the remaining steps would have closed, and restore modified registers.
 
         Return the names of the registers for which this failed.
         """
-        failed: list[str] = []
-        for step in remaining:
+        failed_registers: list[str] = []
+        for step in remaining_steps:
             # A register that has not been written was not opened.
-            if isinstance(step, Write) and step.closes and step.address in self._written:
-                failed += self._try_to_write(step.register, step.address, step.data)
+            if isinstance(step, Write) and step.closes and step.address in self._written_addresses:
+                failed_registers += self._try_to_write(step.register, step.address, step.data)
         for address, (register, data) in reversed(self._original_values.items()):
-            failed += self._try_to_write(register, address, data)
-        return tuple(failed)
+            failed_registers += self._try_to_write(register, address, data)
+        return tuple(failed_registers)
 
     def _try_to_write(self, register: str, address: int, data: bytes) -> list[str]:
         """Write to a register. Return a list with the register's name if this failed, otherwise an empty list."""
@@ -294,12 +294,9 @@ def run(
 ) -> tuple[Reading, ...]:
     """Carry out the steps of a procedure in order.
 
-    If a step fails or is interrupted, opened registers are closed and modified registers are restored. Commands are
-    not undone. Values are read back before a command uses them. Omit the ``Verify`` steps for an encoder that
-    does not return the values that it stored.
-
-    On a line, unread bytes are discarded before each request, and the reply to each request is checked before the
-    next request is sent, if the length of the reply is known.
+    If a step fails or is interrupted, opened registers are closed and modified registers are restored, but commands are
+    not undone. Omit the ``Verify`` steps for an encoder that does not return the values that it stored. On a line,
+    unread bytes are discarded before each request, and each reply of known length is checked.
 
     Not yet tested on hardware.
 

@@ -406,17 +406,17 @@ class Session:
         Raises SecondDeviceError if a second device answers.
         """
         # Bytes that have arrived are taken at once. If any have arrived, the line must then be quiet.
-        waiting = b""
+        discarded = b""
         quiet_s = 0.0
         for _ in range(_MOST_BYTES):
-            more = yield Ask(b"", quiet_s)
-            if not more:
+            further_bytes = yield Ask(b"", quiet_s)
+            if not further_bytes:
                 break
-            waiting = (waiting + more)[-_MOST_BYTES:]
+            discarded = (discarded + further_bytes)[-_MOST_BYTES:]
             # Before the first request, nothing can settle.
             if self._last_request is not None:
                 quiet_s = self._quiet_times.find_settle_time(self._last_request)
-        self._counter.count_discarded(waiting, self._last_request)
+        self._counter.count_discarded(discarded, self._last_request)
 
 
 def _check_seconds(name: str, seconds: float) -> None:

@@ -82,13 +82,13 @@ class Pipeline:
             request_class: cached_decoder(reply_class._make_decoder, encoder, raise_error)
             for request_class, reply_class in replies.items()
         }
-        self._read = read
-        self._write = tuple(write)
-        self._registers = registers
+        self._read_request_class = read
+        self._write_request_classes = tuple(write)
+        self._register_places = registers
         #: Request whose word was sent, until the word that was received with it is taken. Otherwise None.
         self._sent: _Sent | None = None
         #: Request before ``_sent``, to which a late reply belongs.
-        self._previous: _Sent | None = None
+        self._request_before: _Sent | None = None
         #: Number of bits in the last word.
         self._bits = 0
 
@@ -166,13 +166,13 @@ class Pipeline:
         if self._sent is None:
             raise RuntimeError("no request has been sent since the last word was taken")
         # Late replies come one word later, so they belong to the request before the one that was just sent.
-        answered_request = self._previous if self._has_late_replies else self._sent
-        length = self._sent.bits
-        self._previous = self._sent
+        answered_request = self._request_before if self._has_late_replies else self._sent
+        word_bits = self._sent.bits
+        self._request_before = self._sent
         self._sent = None
-        number = as_word(word, length, bits)
+        number = as_word(word, word_bits, bits)
         # A word of a different length cannot contain a late reply.
-        if answered_request is None or answered_request.bits != length:
+        if answered_request is None or answered_request.bits != word_bits:
             return None
         request, register, _ = answered_request
         reply = self._replies[type(request)](number)
@@ -183,16 +183,16 @@ class Pipeline:
 
     def restart(self) -> None:
         """Forget all requests. Call this after the encoder has been switched off or a word has been lost."""
-        self._sent = self._previous = None
+        self._sent = self._request_before = None
 
     def _make_read_request(self, address: int) -> Request:
         """Return the request that reads the register at an address.
 
         Raises TypeError if the encoder has no such request.
         """
-        if self._read is None:
+        if self._read_request_class is None:
             raise TypeError(f"{self._encoder.code} has no request that reads a register")
-        return self._fill_request(self._read, {"address": address})
+        return self._fill_request(self._read_request_class, {"address": address})
 
     def _make_write_requests(self, address: int, data: bytes) -> Iterator[Request]:
         """Yield the requests that write bytes to the register at an address, one of each class that a write needs.
@@ -201,9 +201,9 @@ class Pipeline:
         request.
         """
         values = {"address": address, "data": int.from_bytes(data, "big")}
-        if not self._write:
+        if not self._write_request_classes:
             raise TypeError(f"{self._encoder.code} has no request that writes a register")
-        for request_class in self._write:
+        for request_class in self._write_request_classes:
             yield self._fill_request(request_class, values)
 
     def _fill_request(self, request_class: Any, values: Mapping[str, int]) -> Request:
@@ -237,16 +237,16 @@ class Pipeline:
 
         Raises TypeError for other classes.
         """
-        if register not in self._registers:
-            register_names = ", ".join(kind.__name__ for kind in self._registers) or "none"
+        if register not in self._register_places:
+            register_names = ", ".join(kind.__name__ for kind in self._register_places) or "none"
             raise TypeError(
                 f"'{getattr(register, '__name__', register)}' is not a register over SPI; these are: {register_names}"
             )
-        return self._registers[register]
+        return self._register_places[register]
 
     def _decode_register(self, register: Any, reply: Any) -> Any:
         """Return the register that a reply contains, as an object of the class ``register``."""
-        _, byte_count = self._registers[register]
+        _, byte_count = self._register_places[register]
         data = reply.data.to_bytes(byte_count, "big")
         decode: Any = register.decode
         return decode(data, self._encoder) if issubclass(register, ByEncoder) else decode(data)

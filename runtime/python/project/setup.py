@@ -4,6 +4,7 @@
 import sys
 from pathlib import Path
 from runpy import run_path
+from tempfile import TemporaryDirectory
 
 from setuptools import setup
 
@@ -25,4 +26,6 @@ if "bdist_wheel" in sys.argv and "--dist-info-dir" in sys.argv:
     # This option is for a copy of the metadata that pip has read.
     option = sys.argv.index("--dist-info-dir")
     del sys.argv[option : option + 2]
-setup(install_requires=[requirement])
+# The folder ``build`` can contain modules of families that are no longer in the package.
+with TemporaryDirectory() as build_folder:
+    setup(install_requires=[requirement], options={"build": {"build_base": build_folder}})

@@ -39,7 +39,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, overload
 
 from codewheel_runtime.codec import (
@@ -68,7 +67,7 @@ from codewheel_runtime.encoder import (
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames.base import BitsOf, FixedRegister, Sent, decode_frames, encode_columns
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
-from codewheel_runtime.reports import Family, Interface, Movement, Verdict
+from codewheel_runtime.reports import Family, Interface, Movement, ReadOnly, Verdict
 
 if TYPE_CHECKING:
     from typing import Literal as _Literal
@@ -1190,7 +1189,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
 # Every order code that the manual lists
 
-VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
+VARIANTS: Final[Mapping[str, Variant]] = ReadOnly(
     {
         variant.code: variant
         for variant in (

@@ -14,9 +14,9 @@ from codewheel_runtime.bulk.shape import (
     Column,
     CrcOf,
     Fold,
+    FrameLayout,
     Join,
     ReportCause,
-    Shape,
     Unused,
     VerdictCause,
     compare_bits,
@@ -47,14 +47,14 @@ from ..am36 import (
 
 
 @lru_cache(maxsize=None)
-def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
+def layout_of_ssi_word(variant: SsiEncoder) -> FrameLayout:
     """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=variant.singleturn_bits + variant.multiturn_bits,
-        # Columns of the result. `low` is the lowest bit of the field.
+    return FrameLayout(
+        bit_count=variant.singleturn_bits + variant.multiturn_bits,
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
-            Column("singleturn", low=0, width=variant.singleturn_bits),
+            Column("multiturn", lowest_bit=variant.singleturn_bits, width=variant.multiturn_bits),
+            Column("singleturn", lowest_bit=0, width=variant.singleturn_bits),
         ),
         # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
@@ -74,23 +74,23 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
+def layout_of_single_cycle_data(variant: BissEncoder) -> FrameLayout:
     """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=variant.used_singleturn_bits + variant.used_multiturn_bits + 8,
-        # Columns of the result. `low` is the lowest bit of the field.
+    return FrameLayout(
+        bit_count=variant.used_singleturn_bits + variant.used_multiturn_bits + 8,
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("multiturn", low=variant.used_singleturn_bits + 8, width=variant.used_multiturn_bits),
-            Column("singleturn", low=8, width=variant.used_singleturn_bits),
+            Column("multiturn", lowest_bit=variant.used_singleturn_bits + 8, width=variant.used_multiturn_bits),
+            Column("singleturn", lowest_bit=8, width=variant.used_singleturn_bits),
         ),
         # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
             Join("position", fields=(("singleturn", 0), ("multiturn", variant.used_singleturn_bits))),
         ),
-        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
         unused=(
-            Unused(low=6, width=1, value=1, place=0),
-            Unused(low=7, width=1, value=1, place=1),
+            Unused(lowest_bit=6, width=1, value=1, bit_in_column=0),
+            Unused(lowest_bit=7, width=1, value=1, bit_in_column=1),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -111,9 +111,9 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=0,
+            lowest_bit=0,
             width=6,
-            differs=compare_bits(
+            find_difference=compare_bits(
                 crc_biss_6,
                 covered=variant.used_singleturn_bits + variant.used_multiturn_bits + 2,
                 width=6,
@@ -136,15 +136,15 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_profile_id() -> Shape:
+def layout_of_register_profile_id() -> FrameLayout:
     """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=16,
-        length=2,
+    return FrameLayout(
+        bit_count=16,
+        byte_count=2,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("profile", low=0, width=16),
+            Column("profile", lowest_bit=0, width=16),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -154,17 +154,17 @@ def shape_of_register_profile_id() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_serial_number() -> Shape:
+def layout_of_register_serial_number() -> FrameLayout:
     """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=32,
-        length=4,
+    return FrameLayout(
+        bit_count=32,
+        byte_count=4,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("year", low=24, width=8),
-            Column("week", low=16, width=8),
-            Column("number", low=0, width=16),
+            Column("year", lowest_bit=24, width=8),
+            Column("week", lowest_bit=16, width=8),
+            Column("number", lowest_bit=0, width=16),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -176,17 +176,17 @@ def shape_of_register_serial_number() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_configuration() -> Shape:
+def layout_of_register_configuration() -> FrameLayout:
     """Return the layout of ``Configuration``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("counting_direction", low=6, width=1, kind="choice", values=CountingDirection),
-            Column("output_code", low=5, width=1, kind="choice", values=OutputCode),
-            Column("enable_preset", low=2, width=1, kind="choice", values=EnablePreset),
+            Column("counting_direction", lowest_bit=6, width=1, value_kind="choice", allowed_values=CountingDirection),
+            Column("output_code", lowest_bit=5, width=1, value_kind="choice", allowed_values=OutputCode),
+            Column("enable_preset", lowest_bit=2, width=1, value_kind="choice", allowed_values=EnablePreset),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -201,53 +201,53 @@ def shape_of_register_configuration() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_information_per_revolution() -> Shape:
+def layout_of_register_information_per_revolution() -> FrameLayout:
     """Return the layout of ``InformationPerRevolution``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=24,
-        length=3,
+    return FrameLayout(
+        bit_count=24,
+        byte_count=3,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("steps", low=0, width=24, power_of_two=True),
+            Column("steps", lowest_bit=0, width=24, power_of_two=True),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("steps", low=0, width=24),
         ),
-        limited=("steps", "steps"),
+        limited_value=("steps", "steps"),
     )
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_number_of_revolutions() -> Shape:
+def layout_of_register_number_of_revolutions() -> FrameLayout:
     """Return the layout of ``NumberOfRevolutions``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=16,
-        length=2,
+    return FrameLayout(
+        bit_count=16,
+        byte_count=2,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("revolutions", low=0, width=16, zero_means=65_536),
+            Column("revolutions", lowest_bit=0, width=16, zero_means=65_536),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("revolutions", low=0, width=16),
         ),
-        limited=("revolutions", "revolutions"),
+        limited_value=("revolutions", "revolutions"),
     )
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_preset(variant: BissEncoder) -> Shape:
+def layout_of_register_preset(variant: BissEncoder) -> FrameLayout:
     """Return the layout of ``Preset``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=40,
-        length=5,
+    return FrameLayout(
+        bit_count=40,
+        byte_count=5,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("position", low=0, width=36),
+            Column("position", lowest_bit=0, width=36),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -255,20 +255,20 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
             BitField("position", low=0, width=36),
         ),
         position="position",
-        limited=("position", "position"),
+        limited_value=("position", "position"),
     )
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_device_type() -> Shape:
+def layout_of_register_device_type() -> FrameLayout:
     """Return the layout of ``DeviceType``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("device_type", low=0, width=8),
+            Column("device_type", lowest_bit=0, width=8),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -278,15 +278,15 @@ def shape_of_register_device_type() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_singleturn_bits_used() -> Shape:
+def layout_of_register_singleturn_bits_used() -> FrameLayout:
     """Return the layout of ``SingleturnBitsUsed``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("bits", low=0, width=8),
+            Column("bits", lowest_bit=0, width=8),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -296,15 +296,15 @@ def shape_of_register_singleturn_bits_used() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_multiturn_bits_used() -> Shape:
+def layout_of_register_multiturn_bits_used() -> FrameLayout:
     """Return the layout of ``MultiturnBitsUsed``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("bits", low=0, width=8),
+            Column("bits", lowest_bit=0, width=8),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -314,18 +314,18 @@ def shape_of_register_multiturn_bits_used() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_device_id() -> Shape:
+def layout_of_register_device_id() -> FrameLayout:
     """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=48,
-        length=6,
+    return FrameLayout(
+        bit_count=48,
+        byte_count=6,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("model", low=32, width=16, kind="text"),
-            Column("interface_code", low=16, width=16, kind="text"),
-            Column("enclosure", low=8, width=8, kind="text"),
-            Column("software_version", low=0, width=8, kind="text"),
+            Column("model", lowest_bit=32, width=16, value_kind="text"),
+            Column("interface_code", lowest_bit=16, width=16, value_kind="text"),
+            Column("enclosure", lowest_bit=8, width=8, value_kind="text"),
+            Column("software_version", lowest_bit=0, width=8, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -338,15 +338,15 @@ def shape_of_register_device_id() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_manufacturer_id() -> Shape:
+def layout_of_register_manufacturer_id() -> FrameLayout:
     """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=16,
-        length=2,
+    return FrameLayout(
+        bit_count=16,
+        byte_count=2,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", low=0, width=16, kind="text"),
+            Column("name", lowest_bit=0, width=16, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -355,29 +355,29 @@ def shape_of_register_manufacturer_id() -> Shape:
     )
 
 
-#: Frames by interface and sender, each with the function for its shape.
-FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
+#: Frames by interface and sender, each with the function for its layout.
+FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., FrameLayout]]]] = {
     ("ssi", "encoder"): {
-        "ssi_word": shape_of_ssi_word,
+        "ssi_word": layout_of_ssi_word,
     },
     ("biss", "encoder"): {
-        "single_cycle_data": shape_of_single_cycle_data,
+        "single_cycle_data": layout_of_single_cycle_data,
     },
 }
 
 #: Function for the description of each class.
-SHAPES: Final[Mapping[type, Callable[..., Shape]]] = {
-    SsiWord: shape_of_ssi_word,
-    SingleCycleData: shape_of_single_cycle_data,
-    ProfileId: shape_of_register_profile_id,
-    SerialNumber: shape_of_register_serial_number,
-    Configuration: shape_of_register_configuration,
-    InformationPerRevolution: shape_of_register_information_per_revolution,
-    NumberOfRevolutions: shape_of_register_number_of_revolutions,
-    Preset: shape_of_register_preset,
-    DeviceType: shape_of_register_device_type,
-    SingleturnBitsUsed: shape_of_register_singleturn_bits_used,
-    MultiturnBitsUsed: shape_of_register_multiturn_bits_used,
-    DeviceId: shape_of_register_device_id,
-    ManufacturerId: shape_of_register_manufacturer_id,
+LAYOUTS: Final[Mapping[type, Callable[..., FrameLayout]]] = {
+    SsiWord: layout_of_ssi_word,
+    SingleCycleData: layout_of_single_cycle_data,
+    ProfileId: layout_of_register_profile_id,
+    SerialNumber: layout_of_register_serial_number,
+    Configuration: layout_of_register_configuration,
+    InformationPerRevolution: layout_of_register_information_per_revolution,
+    NumberOfRevolutions: layout_of_register_number_of_revolutions,
+    Preset: layout_of_register_preset,
+    DeviceType: layout_of_register_device_type,
+    SingleturnBitsUsed: layout_of_register_singleturn_bits_used,
+    MultiturnBitsUsed: layout_of_register_multiturn_bits_used,
+    DeviceId: layout_of_register_device_id,
+    ManufacturerId: layout_of_register_manufacturer_id,
 }

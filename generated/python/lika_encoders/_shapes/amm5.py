@@ -13,9 +13,9 @@ from codewheel_runtime.bulk.shape import (
     Column,
     CrcOf,
     Fold,
+    FrameLayout,
     Join,
     ReportCause,
-    Shape,
     Unused,
     VerdictCause,
     compare_bits,
@@ -50,14 +50,14 @@ from ..amm5 import (
 
 
 @lru_cache(maxsize=None)
-def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
+def layout_of_ssi_word(variant: SsiEncoder) -> FrameLayout:
     """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=variant.singleturn_bits + variant.multiturn_bits,
-        # Columns of the result. `low` is the lowest bit of the field.
+    return FrameLayout(
+        bit_count=variant.singleturn_bits + variant.multiturn_bits,
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
-            Column("singleturn", low=0, width=variant.singleturn_bits),
+            Column("multiturn", lowest_bit=variant.singleturn_bits, width=variant.multiturn_bits),
+            Column("singleturn", lowest_bit=0, width=variant.singleturn_bits),
         ),
         # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
@@ -74,16 +74,16 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
+def layout_of_single_cycle_data(variant: BissEncoder) -> FrameLayout:
     """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=variant.singleturn_bits + variant.multiturn_bits + 8,
-        # Columns of the result. `low` is the lowest bit of the field.
+    return FrameLayout(
+        bit_count=variant.singleturn_bits + variant.multiturn_bits + 8,
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("multiturn", low=variant.singleturn_bits + 8, width=variant.multiturn_bits),
-            Column("singleturn", low=8, width=variant.singleturn_bits),
-            Column("error", low=7, width=1, kind="not_flag"),
-            Column("warning", low=6, width=1, kind="not_flag"),
+            Column("multiturn", lowest_bit=variant.singleturn_bits + 8, width=variant.multiturn_bits),
+            Column("singleturn", lowest_bit=8, width=variant.singleturn_bits),
+            Column("error", lowest_bit=7, width=1, value_kind="not_flag"),
+            Column("warning", lowest_bit=6, width=1, value_kind="not_flag"),
         ),
         # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
@@ -128,9 +128,13 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=0,
+            lowest_bit=0,
             width=6,
-            differs=compare_bits(crc_biss_6, covered=variant.singleturn_bits + variant.multiturn_bits + 2, width=6),
+            find_difference=compare_bits(
+                crc_biss_6,
+                covered=variant.singleturn_bits + variant.multiturn_bits + 2,
+                width=6,
+            ),
             xorout=63,
             steps=(
                 Fold(shift=24, mask=0xFFFFFF, back=4),
@@ -147,25 +151,25 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_data_request() -> Shape:
+def layout_of_data_request() -> FrameLayout:
     """Return the layout of ``DataRequest``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("data_id", low=3, width=4, kind="choice", values=(0, 1, 2, 3, 7, 8, 12)),
+            Column("data_id", lowest_bit=3, width=4, value_kind="choice", allowed_values=(0, 1, 2, 3, 7, 8, 12)),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(0, 1, 2, 3, 7, 8, 12)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(0, 1, 2, 3, 7, 8, 12)),
         ),
         # Parity bits, which are computed last.
         parities=(
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -179,23 +183,23 @@ def shape_of_data_request() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_eeprom_write_request(adf_layout: AdfLayout) -> Shape:
+def layout_of_eeprom_write_request(adf_layout: AdfLayout) -> FrameLayout:
     """Return the layout of ``EepromWriteRequest``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=32,
-        length=4,
+    return FrameLayout(
+        bit_count=32,
+        byte_count=4,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
-            Column("data", low=16, width=8),
+            Column("address", lowest_bit=adf_layout.eeprom_address_bit + 8, width=7),
+            Column("data", lowest_bit=16, width=8),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(low=adf_layout.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(6,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=adf_layout.mem_busy_bit + 8, width=1, error_kind=ErrorKind.CONSTANT, allowed_values=(0,)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(6,)),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -209,9 +213,9 @@ def shape_of_eeprom_write_request(adf_layout: AdfLayout) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=24,
+            lowest_bit=24,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -221,22 +225,22 @@ def shape_of_eeprom_write_request(adf_layout: AdfLayout) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_eeprom_read_request(adf_layout: AdfLayout) -> Shape:
+def layout_of_eeprom_read_request(adf_layout: AdfLayout) -> FrameLayout:
     """Return the layout of ``EepromReadRequest``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=24,
-        length=3,
+    return FrameLayout(
+        bit_count=24,
+        byte_count=3,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
+            Column("address", lowest_bit=adf_layout.eeprom_address_bit + 8, width=7),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(low=adf_layout.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(13,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=adf_layout.mem_busy_bit + 8, width=1, error_kind=ErrorKind.CONSTANT, allowed_values=(0,)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(13,)),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -249,9 +253,9 @@ def shape_of_eeprom_read_request(adf_layout: AdfLayout) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=16,
+            lowest_bit=16,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=3, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=3, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -261,39 +265,39 @@ def shape_of_eeprom_read_request(adf_layout: AdfLayout) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
+def layout_of_singleturn_reply(variant: Rs485Encoder) -> FrameLayout:
     """Return the layout of ``SingleturnReply``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=48,
-        length=6,
+    return FrameLayout(
+        bit_count=48,
+        byte_count=6,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("data_id", low=3, width=4, kind="choice", values=(0, 7, 8, 12)),
-            Column("status_st_error", low=12, width=1, kind="flag"),
-            Column("status_other_error", low=13, width=1, kind="flag"),
-            Column("singleturn", low=16, width=variant.singleturn_bits),
+            Column("data_id", lowest_bit=3, width=4, value_kind="choice", allowed_values=(0, 7, 8, 12)),
+            Column("status_st_error", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_other_error", lowest_bit=13, width=1, value_kind="flag"),
+            Column("singleturn", lowest_bit=16, width=variant.singleturn_bits),
         ),
-        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
         unused=(
-            Unused(low=8, width=4, value=0, place=0),
-            Unused(low=14, width=2, value=0, place=6),
+            Unused(lowest_bit=8, width=4, value=0, bit_in_column=0),
+            Unused(lowest_bit=14, width=2, value=0, bit_in_column=6),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
-                low=variant.singleturn_bits + 16,
+                lowest_bit=variant.singleturn_bits + 16,
                 width=24 - variant.singleturn_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(0, 7, 8, 12)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(0, 7, 8, 12)),
         ),
         # Parity bits, which are computed last.
         parities=(
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -324,9 +328,9 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=40,
+            lowest_bit=40,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=6, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=6, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -338,34 +342,34 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
+def layout_of_multiturn_reply(variant: Rs485Encoder) -> FrameLayout:
     """Return the layout of ``MultiturnReply``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=48,
-        length=6,
+    return FrameLayout(
+        bit_count=48,
+        byte_count=6,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("status_st_error", low=12, width=1, kind="flag"),
-            Column("status_other_error", low=13, width=1, kind="flag"),
-            Column("multiturn", low=16, width=variant.multiturn_bits),
+            Column("status_st_error", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_other_error", lowest_bit=13, width=1, value_kind="flag"),
+            Column("multiturn", lowest_bit=16, width=variant.multiturn_bits),
         ),
-        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
         unused=(
-            Unused(low=8, width=4, value=0, place=0),
-            Unused(low=14, width=2, value=0, place=6),
+            Unused(lowest_bit=8, width=4, value=0, bit_in_column=0),
+            Unused(lowest_bit=14, width=2, value=0, bit_in_column=6),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
-                low=variant.multiturn_bits + 16,
+                lowest_bit=variant.multiturn_bits + 16,
                 width=24 - variant.multiturn_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(1,)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(1,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -396,9 +400,9 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=40,
+            lowest_bit=40,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=6, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=6, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -410,28 +414,28 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_encoder_id_reply() -> Shape:
+def layout_of_encoder_id_reply() -> FrameLayout:
     """Return the layout of ``EncoderIdReply``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=32,
-        length=4,
+    return FrameLayout(
+        bit_count=32,
+        byte_count=4,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("status_st_error", low=12, width=1, kind="flag"),
-            Column("status_other_error", low=13, width=1, kind="flag"),
-            Column("encoder_id", low=16, width=8),
+            Column("status_st_error", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_other_error", lowest_bit=13, width=1, value_kind="flag"),
+            Column("encoder_id", lowest_bit=16, width=8),
         ),
-        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
         unused=(
-            Unused(low=8, width=4, value=0, place=0),
-            Unused(low=14, width=2, value=0, place=6),
+            Unused(lowest_bit=8, width=4, value=0, bit_in_column=0),
+            Unused(lowest_bit=14, width=2, value=0, bit_in_column=6),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(2,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(2,)),
         ),
         # Conditions of each report.
         report_causes=(
@@ -454,9 +458,9 @@ def shape_of_encoder_id_reply() -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=24,
+            lowest_bit=24,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -466,53 +470,53 @@ def shape_of_encoder_id_reply() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
+def layout_of_complete_reply(variant: Rs485Encoder) -> FrameLayout:
     """Return the layout of ``CompleteReply``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=88,
-        length=11,
+    return FrameLayout(
+        bit_count=88,
+        byte_count=11,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("status_st_error", low=12, width=1, kind="flag"),
-            Column("status_other_error", low=13, width=1, kind="flag"),
-            Column("singleturn", low=16, width=variant.singleturn_bits),
-            Column("encoder_id", low=40, width=8),
-            Column("multiturn", low=48, width=variant.multiturn_bits),
-            Column("busy", low=73, width=1, kind="flag"),
-            Column("st_error", low=74, width=1, kind="flag"),
-            Column("ps_error", low=77, width=1, kind="flag"),
-            Column("mt_error", low=78, width=1, kind="flag"),
-            Column("battery_alarm", low=79, width=1, kind="flag"),
+            Column("status_st_error", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_other_error", lowest_bit=13, width=1, value_kind="flag"),
+            Column("singleturn", lowest_bit=16, width=variant.singleturn_bits),
+            Column("encoder_id", lowest_bit=40, width=8),
+            Column("multiturn", lowest_bit=48, width=variant.multiturn_bits),
+            Column("busy", lowest_bit=73, width=1, value_kind="flag"),
+            Column("st_error", lowest_bit=74, width=1, value_kind="flag"),
+            Column("ps_error", lowest_bit=77, width=1, value_kind="flag"),
+            Column("mt_error", lowest_bit=78, width=1, value_kind="flag"),
+            Column("battery_alarm", lowest_bit=79, width=1, value_kind="flag"),
         ),
         # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
             Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
-        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
         unused=(
-            Unused(low=8, width=4, value=0, place=0),
-            Unused(low=14, width=2, value=0, place=6),
-            Unused(low=72, width=1, value=0, place=8),
-            Unused(low=75, width=2, value=0, place=11),
+            Unused(lowest_bit=8, width=4, value=0, bit_in_column=0),
+            Unused(lowest_bit=14, width=2, value=0, bit_in_column=6),
+            Unused(lowest_bit=72, width=1, value=0, bit_in_column=8),
+            Unused(lowest_bit=75, width=2, value=0, bit_in_column=11),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
-                low=variant.singleturn_bits + 16,
+                lowest_bit=variant.singleturn_bits + 16,
                 width=24 - variant.singleturn_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
             Check(
-                low=variant.multiturn_bits + 48,
+                lowest_bit=variant.multiturn_bits + 48,
                 width=24 - variant.multiturn_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(3,)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(3,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -570,9 +574,9 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=80,
+            lowest_bit=80,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=11, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=11, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -585,23 +589,23 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_eeprom_write_reply(adf_layout: AdfLayout) -> Shape:
+def layout_of_eeprom_write_reply(adf_layout: AdfLayout) -> FrameLayout:
     """Return the layout of ``EepromWriteReply``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=32,
-        length=4,
+    return FrameLayout(
+        bit_count=32,
+        byte_count=4,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
-            Column("mem_busy", low=adf_layout.mem_busy_bit + 8, width=1, kind="flag"),
-            Column("data", low=16, width=8),
+            Column("address", lowest_bit=adf_layout.eeprom_address_bit + 8, width=7),
+            Column("mem_busy", lowest_bit=adf_layout.mem_busy_bit + 8, width=1, value_kind="flag"),
+            Column("data", lowest_bit=16, width=8),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(6,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(6,)),
         ),
         # Conditions of each report.
         report_causes=(
@@ -619,9 +623,9 @@ def shape_of_eeprom_write_reply(adf_layout: AdfLayout) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=24,
+            lowest_bit=24,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -631,23 +635,23 @@ def shape_of_eeprom_write_reply(adf_layout: AdfLayout) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_eeprom_read_reply(adf_layout: AdfLayout) -> Shape:
+def layout_of_eeprom_read_reply(adf_layout: AdfLayout) -> FrameLayout:
     """Return the layout of ``EepromReadReply``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=32,
-        length=4,
+    return FrameLayout(
+        bit_count=32,
+        byte_count=4,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
-            Column("mem_busy", low=adf_layout.mem_busy_bit + 8, width=1, kind="flag"),
-            Column("data", low=16, width=8),
+            Column("address", lowest_bit=adf_layout.eeprom_address_bit + 8, width=7),
+            Column("mem_busy", lowest_bit=adf_layout.mem_busy_bit + 8, width=1, value_kind="flag"),
+            Column("data", lowest_bit=16, width=8),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(13,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(13,)),
         ),
         # Conditions of each report.
         report_causes=(
@@ -665,9 +669,9 @@ def shape_of_eeprom_read_reply(adf_layout: AdfLayout) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=24,
+            lowest_bit=24,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=4, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -677,16 +681,16 @@ def shape_of_eeprom_read_reply(adf_layout: AdfLayout) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_preset(variant: BissEncoder) -> Shape:
+def layout_of_register_preset(variant: BissEncoder) -> FrameLayout:
     """Return the layout of ``Preset``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=56,
-        length=7,
+    return FrameLayout(
+        bit_count=56,
+        byte_count=7,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("multiturn", low=49 - variant.multiturn_bits, width=variant.multiturn_bits),
-            Column("singleturn", low=33 - variant.singleturn_bits, width=variant.singleturn_bits),
+            Column("multiturn", lowest_bit=49 - variant.multiturn_bits, width=variant.multiturn_bits),
+            Column("singleturn", lowest_bit=33 - variant.singleturn_bits, width=variant.singleturn_bits),
         ),
         # Numbers that consist of several fields, each with its lowest bit in the number.
         joins=(
@@ -701,25 +705,25 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
             BitField("zero_below_singleturn", low=0, width=33 - variant.singleturn_bits),
         ),
         position="position",
-        limited=("position", "position"),
+        limited_value=("position", "position"),
     )
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_serial_number() -> Shape:
+def layout_of_register_serial_number() -> FrameLayout:
     """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=32,
-        length=4,
+    return FrameLayout(
+        bit_count=32,
+        byte_count=4,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
             Column(
                 "serial",
-                low=0,
+                lowest_bit=0,
                 width=32,
-                kind="digits",
-                runs=(("year", 10_000_000, 100), ("week", 100_000, 100), ("number", 1, 100_000)),
+                value_kind="digits",
+                digit_groups=(("year", 10_000_000, 100), ("week", 100_000, 100), ("number", 1, 100_000)),
             ),
         ),
         # All fields, including constants, parity bits and CRCs.
@@ -730,16 +734,16 @@ def shape_of_register_serial_number() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_device_id() -> Shape:
+def layout_of_register_device_id() -> FrameLayout:
     """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=48,
-        length=6,
+    return FrameLayout(
+        bit_count=48,
+        byte_count=6,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", low=16, width=32, kind="text"),
-            Column("release", low=0, width=16),
+            Column("name", lowest_bit=16, width=32, value_kind="text"),
+            Column("release", lowest_bit=0, width=16),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -750,15 +754,15 @@ def shape_of_register_device_id() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_manufacturer_id() -> Shape:
+def layout_of_register_manufacturer_id() -> FrameLayout:
     """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=16,
-        length=2,
+    return FrameLayout(
+        bit_count=16,
+        byte_count=2,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", low=0, width=16, kind="text"),
+            Column("name", lowest_bit=0, width=16, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -767,44 +771,44 @@ def shape_of_register_manufacturer_id() -> Shape:
     )
 
 
-#: Frames by interface and sender, each with the function for its shape.
-FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
+#: Frames by interface and sender, each with the function for its layout.
+FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., FrameLayout]]]] = {
     ("ssi", "encoder"): {
-        "ssi_word": shape_of_ssi_word,
+        "ssi_word": layout_of_ssi_word,
     },
     ("biss", "encoder"): {
-        "single_cycle_data": shape_of_single_cycle_data,
+        "single_cycle_data": layout_of_single_cycle_data,
     },
     ("rs485", "master"): {
-        "data_request": shape_of_data_request,
-        "eeprom_write_request": shape_of_eeprom_write_request,
-        "eeprom_read_request": shape_of_eeprom_read_request,
+        "data_request": layout_of_data_request,
+        "eeprom_write_request": layout_of_eeprom_write_request,
+        "eeprom_read_request": layout_of_eeprom_read_request,
     },
     ("rs485", "encoder"): {
-        "singleturn_reply": shape_of_singleturn_reply,
-        "multiturn_reply": shape_of_multiturn_reply,
-        "encoder_id_reply": shape_of_encoder_id_reply,
-        "complete_reply": shape_of_complete_reply,
-        "eeprom_write_reply": shape_of_eeprom_write_reply,
-        "eeprom_read_reply": shape_of_eeprom_read_reply,
+        "singleturn_reply": layout_of_singleturn_reply,
+        "multiturn_reply": layout_of_multiturn_reply,
+        "encoder_id_reply": layout_of_encoder_id_reply,
+        "complete_reply": layout_of_complete_reply,
+        "eeprom_write_reply": layout_of_eeprom_write_reply,
+        "eeprom_read_reply": layout_of_eeprom_read_reply,
     },
 }
 
 #: Function for the description of each class.
-SHAPES: Final[Mapping[type, Callable[..., Shape]]] = {
-    SsiWord: shape_of_ssi_word,
-    SingleCycleData: shape_of_single_cycle_data,
-    DataRequest: shape_of_data_request,
-    EepromWriteRequest: shape_of_eeprom_write_request,
-    EepromReadRequest: shape_of_eeprom_read_request,
-    SingleturnReply: shape_of_singleturn_reply,
-    MultiturnReply: shape_of_multiturn_reply,
-    EncoderIdReply: shape_of_encoder_id_reply,
-    CompleteReply: shape_of_complete_reply,
-    EepromWriteReply: shape_of_eeprom_write_reply,
-    EepromReadReply: shape_of_eeprom_read_reply,
-    Preset: shape_of_register_preset,
-    SerialNumber: shape_of_register_serial_number,
-    DeviceId: shape_of_register_device_id,
-    ManufacturerId: shape_of_register_manufacturer_id,
+LAYOUTS: Final[Mapping[type, Callable[..., FrameLayout]]] = {
+    SsiWord: layout_of_ssi_word,
+    SingleCycleData: layout_of_single_cycle_data,
+    DataRequest: layout_of_data_request,
+    EepromWriteRequest: layout_of_eeprom_write_request,
+    EepromReadRequest: layout_of_eeprom_read_request,
+    SingleturnReply: layout_of_singleturn_reply,
+    MultiturnReply: layout_of_multiturn_reply,
+    EncoderIdReply: layout_of_encoder_id_reply,
+    CompleteReply: layout_of_complete_reply,
+    EepromWriteReply: layout_of_eeprom_write_reply,
+    EepromReadReply: layout_of_eeprom_read_reply,
+    Preset: layout_of_register_preset,
+    SerialNumber: layout_of_register_serial_number,
+    DeviceId: layout_of_register_device_id,
+    ManufacturerId: layout_of_register_manufacturer_id,
 }

@@ -10,7 +10,16 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, ReportCause, Shape, VerdictCause, compare_bits
+from codewheel_runtime.bulk.shape import (
+    Check,
+    Column,
+    CrcOf,
+    Fold,
+    FrameLayout,
+    ReportCause,
+    VerdictCause,
+    compare_bits,
+)
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.errors import ErrorKind
 from codewheel_runtime.reports import Verdict
@@ -33,13 +42,13 @@ from ..asc85 import (
 
 
 @lru_cache(maxsize=None)
-def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
+def layout_of_ssi_word(variant: SsiEncoder) -> FrameLayout:
     """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=variant.position_bits,
-        # Columns of the result. `low` is the lowest bit of the field.
+    return FrameLayout(
+        bit_count=variant.position_bits,
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("position", low=0, width=variant.position_bits),
+            Column("position", lowest_bit=0, width=variant.position_bits),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -54,19 +63,19 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape:
+def layout_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> FrameLayout:
     """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=zero_bit.zero_bits + variant.position_bits + 8,
-        # Columns of the result. `low` is the lowest bit of the field.
+    return FrameLayout(
+        bit_count=zero_bit.zero_bits + variant.position_bits + 8,
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("position", low=zero_bit.zero_bits + 8, width=variant.position_bits),
-            Column("error", low=7, width=1, kind="not_flag"),
-            Column("warning", low=6, width=1, kind="not_flag"),
+            Column("position", lowest_bit=zero_bit.zero_bits + 8, width=variant.position_bits),
+            Column("error", lowest_bit=7, width=1, value_kind="not_flag"),
+            Column("warning", lowest_bit=6, width=1, value_kind="not_flag"),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=8, width=zero_bit.zero_bits, fault=ErrorKind.CONSTANT, values=(0,)),
+            Check(lowest_bit=8, width=zero_bit.zero_bits, error_kind=ErrorKind.CONSTANT, allowed_values=(0,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -88,9 +97,9 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=0,
+            lowest_bit=0,
             width=6,
-            differs=compare_bits(crc_biss_6, covered=zero_bit.zero_bits + variant.position_bits + 2, width=6),
+            find_difference=compare_bits(crc_biss_6, covered=zero_bit.zero_bits + variant.position_bits + 2, width=6),
             xorout=63,
             steps=(
                 Fold(shift=12, mask=0xFFF, back=2),
@@ -106,16 +115,16 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_profile_id() -> Shape:
+def layout_of_register_profile_id() -> FrameLayout:
     """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=16,
-        length=2,
+    return FrameLayout(
+        bit_count=16,
+        byte_count=2,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("variant_", low=8, width=8, field="variant"),
-            Column("data_length", low=0, width=8),
+            Column("variant_", lowest_bit=8, width=8, field="variant"),
+            Column("data_length", lowest_bit=0, width=8),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -126,15 +135,15 @@ def shape_of_register_profile_id() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_serial_number() -> Shape:
+def layout_of_register_serial_number() -> FrameLayout:
     """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=32,
-        length=4,
+    return FrameLayout(
+        bit_count=32,
+        byte_count=4,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("serial", low=0, width=32),
+            Column("serial", lowest_bit=0, width=32),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -144,22 +153,22 @@ def shape_of_register_serial_number() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_diagnostic_data() -> Shape:
+def layout_of_register_diagnostic_data() -> FrameLayout:
     """Return the layout of ``DiagnosticData``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("amplitude_control_maximum_current", low=7, width=1, kind="flag"),
-            Column("signal_level_maximum_amplitude", low=6, width=1, kind="flag"),
-            Column("dc_maximum_offset", low=5, width=1, kind="flag"),
-            Column("ac_maximum_amplitude", low=4, width=1, kind="flag"),
-            Column("amplitude_control_minimum_current", low=3, width=1, kind="flag"),
-            Column("signal_level_minimum_amplitude", low=2, width=1, kind="flag"),
-            Column("dc_minimum_offset", low=1, width=1, kind="flag"),
-            Column("ac_minimum_amplitude", low=0, width=1, kind="flag"),
+            Column("amplitude_control_maximum_current", lowest_bit=7, width=1, value_kind="flag"),
+            Column("signal_level_maximum_amplitude", lowest_bit=6, width=1, value_kind="flag"),
+            Column("dc_maximum_offset", lowest_bit=5, width=1, value_kind="flag"),
+            Column("ac_maximum_amplitude", lowest_bit=4, width=1, value_kind="flag"),
+            Column("amplitude_control_minimum_current", lowest_bit=3, width=1, value_kind="flag"),
+            Column("signal_level_minimum_amplitude", lowest_bit=2, width=1, value_kind="flag"),
+            Column("dc_minimum_offset", lowest_bit=1, width=1, value_kind="flag"),
+            Column("ac_minimum_amplitude", lowest_bit=0, width=1, value_kind="flag"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -176,22 +185,22 @@ def shape_of_register_diagnostic_data() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_status() -> Shape:
+def layout_of_register_status() -> FrameLayout:
     """Return the layout of ``Status``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("configuration_completed", low=7, width=1, kind="flag"),
-            Column("error_message", low=6, width=1, kind="flag"),
-            Column("warning_message", low=5, width=1, kind="flag"),
-            Column("conf_write_access", low=4, width=1, kind="flag"),
-            Column("eds_write_access", low=3, width=1, kind="flag"),
-            Column("internal_data_bus_busy", low=2, width=1, kind="flag"),
-            Column("absolute_data_valid", low=1, width=1, kind="flag"),
-            Column("position_data_valid", low=0, width=1, kind="flag"),
+            Column("configuration_completed", lowest_bit=7, width=1, value_kind="flag"),
+            Column("error_message", lowest_bit=6, width=1, value_kind="flag"),
+            Column("warning_message", lowest_bit=5, width=1, value_kind="flag"),
+            Column("conf_write_access", lowest_bit=4, width=1, value_kind="flag"),
+            Column("eds_write_access", lowest_bit=3, width=1, value_kind="flag"),
+            Column("internal_data_bus_busy", lowest_bit=2, width=1, value_kind="flag"),
+            Column("absolute_data_valid", lowest_bit=1, width=1, value_kind="flag"),
+            Column("position_data_valid", lowest_bit=0, width=1, value_kind="flag"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -208,15 +217,15 @@ def shape_of_register_status() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_position(variant: BissEncoder) -> Shape:
+def layout_of_register_position(variant: BissEncoder) -> FrameLayout:
     """Return the layout of ``Position``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=32,
-        length=4,
+    return FrameLayout(
+        bit_count=32,
+        byte_count=4,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("position", low=32 - variant.position_bits, width=variant.position_bits),
+            Column("position", lowest_bit=32 - variant.position_bits, width=variant.position_bits),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -229,20 +238,20 @@ def shape_of_register_position(variant: BissEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_error_register() -> Shape:
+def layout_of_register_error_register() -> FrameLayout:
     """Return the layout of ``ErrorRegister``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("absolute_data_error", low=6, width=1, kind="flag"),
-            Column("interpolation_error", low=5, width=1, kind="flag"),
-            Column("configuration_error", low=4, width=1, kind="flag"),
-            Column("synchronization_error", low=3, width=1, kind="flag"),
-            Column("signal_error", low=1, width=1, kind="flag"),
-            Column("control_error", low=0, width=1, kind="flag"),
+            Column("absolute_data_error", lowest_bit=6, width=1, value_kind="flag"),
+            Column("interpolation_error", lowest_bit=5, width=1, value_kind="flag"),
+            Column("configuration_error", lowest_bit=4, width=1, value_kind="flag"),
+            Column("synchronization_error", lowest_bit=3, width=1, value_kind="flag"),
+            Column("signal_error", lowest_bit=1, width=1, value_kind="flag"),
+            Column("control_error", lowest_bit=0, width=1, value_kind="flag"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -259,16 +268,16 @@ def shape_of_register_error_register() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_device_id() -> Shape:
+def layout_of_register_device_id() -> FrameLayout:
     """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=48,
-        length=6,
+    return FrameLayout(
+        bit_count=48,
+        byte_count=6,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", low=16, width=32, kind="text"),
-            Column("release", low=0, width=16, kind="text"),
+            Column("name", lowest_bit=16, width=32, value_kind="text"),
+            Column("release", lowest_bit=0, width=16, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -279,15 +288,15 @@ def shape_of_register_device_id() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_manufacturer_id() -> Shape:
+def layout_of_register_manufacturer_id() -> FrameLayout:
     """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=16,
-        length=2,
+    return FrameLayout(
+        bit_count=16,
+        byte_count=2,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", low=0, width=16, kind="text"),
+            Column("name", lowest_bit=0, width=16, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -296,26 +305,26 @@ def shape_of_register_manufacturer_id() -> Shape:
     )
 
 
-#: Frames by interface and sender, each with the function for its shape.
-FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
+#: Frames by interface and sender, each with the function for its layout.
+FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., FrameLayout]]]] = {
     ("ssi", "encoder"): {
-        "ssi_word": shape_of_ssi_word,
+        "ssi_word": layout_of_ssi_word,
     },
     ("biss", "encoder"): {
-        "single_cycle_data": shape_of_single_cycle_data,
+        "single_cycle_data": layout_of_single_cycle_data,
     },
 }
 
 #: Function for the description of each class.
-SHAPES: Final[Mapping[type, Callable[..., Shape]]] = {
-    SsiWord: shape_of_ssi_word,
-    SingleCycleData: shape_of_single_cycle_data,
-    ProfileId: shape_of_register_profile_id,
-    SerialNumber: shape_of_register_serial_number,
-    DiagnosticData: shape_of_register_diagnostic_data,
-    Status: shape_of_register_status,
-    Position: shape_of_register_position,
-    ErrorRegister: shape_of_register_error_register,
-    DeviceId: shape_of_register_device_id,
-    ManufacturerId: shape_of_register_manufacturer_id,
+LAYOUTS: Final[Mapping[type, Callable[..., FrameLayout]]] = {
+    SsiWord: layout_of_ssi_word,
+    SingleCycleData: layout_of_single_cycle_data,
+    ProfileId: layout_of_register_profile_id,
+    SerialNumber: layout_of_register_serial_number,
+    DiagnosticData: layout_of_register_diagnostic_data,
+    Status: layout_of_register_status,
+    Position: layout_of_register_position,
+    ErrorRegister: layout_of_register_error_register,
+    DeviceId: layout_of_register_device_id,
+    ManufacturerId: layout_of_register_manufacturer_id,
 }

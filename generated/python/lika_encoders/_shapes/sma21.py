@@ -13,8 +13,8 @@ from codewheel_runtime.bulk.shape import (
     Column,
     CrcOf,
     Fold,
+    FrameLayout,
     ReportCause,
-    Shape,
     Unused,
     VerdictCause,
     compare_bits,
@@ -53,14 +53,14 @@ from ..sma21 import (
 
 
 @lru_cache(maxsize=None)
-def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
+def layout_of_ssi_word(variant: SsiEncoder) -> FrameLayout:
     """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=variant.position_bits + 1,
-        # Columns of the result. `low` is the lowest bit of the field.
+    return FrameLayout(
+        bit_count=variant.position_bits + 1,
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("position", low=1, width=variant.position_bits),
-            Column("error", low=0, width=1, kind="not_flag"),
+            Column("position", lowest_bit=1, width=variant.position_bits),
+            Column("error", lowest_bit=0, width=1, value_kind="not_flag"),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -85,23 +85,23 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
+def layout_of_single_cycle_data(variant: BissEncoder) -> FrameLayout:
     """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=variant.position_bits + variant.scd_padding_bits + 8,
-        # Columns of the result. `low` is the lowest bit of the field.
+    return FrameLayout(
+        bit_count=variant.position_bits + variant.scd_padding_bits + 8,
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("position", low=8, width=variant.scd_value_bits),
-            Column("error", low=7, width=1, kind="not_flag"),
-            Column("warning", low=6, width=1, kind="not_flag"),
+            Column("position", lowest_bit=8, width=variant.scd_value_bits),
+            Column("error", lowest_bit=7, width=1, value_kind="not_flag"),
+            Column("warning", lowest_bit=6, width=1, value_kind="not_flag"),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(
-                low=variant.scd_value_bits + 8,
+                lowest_bit=variant.scd_value_bits + 8,
                 width=variant.position_bits + variant.scd_padding_bits - variant.scd_value_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
         ),
         # Conditions of each verdict, the most severe first.
@@ -128,9 +128,13 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=0,
+            lowest_bit=0,
             width=6,
-            differs=compare_bits(crc_biss_6, covered=variant.position_bits + variant.scd_padding_bits + 2, width=6),
+            find_difference=compare_bits(
+                crc_biss_6,
+                covered=variant.position_bits + variant.scd_padding_bits + 2,
+                width=6,
+            ),
             xorout=63,
             steps=(
                 Fold(shift=12, mask=0xFFF, back=2),
@@ -149,25 +153,25 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_data_request() -> Shape:
+def layout_of_data_request() -> FrameLayout:
     """Return the layout of ``DataRequest``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("data_id", low=3, width=4, kind="choice", values=(4, 5, 10, 11, 15)),
+            Column("data_id", lowest_bit=3, width=4, value_kind="choice", allowed_values=(4, 5, 10, 11, 15)),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(4, 5, 10, 11, 15)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(4, 5, 10, 11, 15)),
         ),
         # Parity bits, which are computed last.
         parities=(
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -181,47 +185,47 @@ def shape_of_data_request() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
+def layout_of_position_reply(variant: Rs485Encoder) -> FrameLayout:
     """Return the layout of ``PositionReply``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=56,
-        length=7,
+    return FrameLayout(
+        bit_count=56,
+        byte_count=7,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("data_id", low=3, width=4, kind="choice", values=(4, 11, 15)),
-            Column("status_alarm", low=12, width=1, kind="flag"),
-            Column("status_error", low=13, width=1, kind="flag"),
-            Column("position", low=16, width=variant.rs485_position_bits),
-            Column("overspeed", low=40, width=1, kind="flag"),
-            Column("initialization_error", low=41, width=1, kind="flag"),
-            Column("hardware_error", low=42, width=1, kind="flag"),
-            Column("encoder_inharmonious_error", low=43, width=1, kind="flag"),
-            Column("higher_track_error", low=44, width=1, kind="flag"),
-            Column("low_amplitude_error", low=45, width=1, kind="flag"),
-            Column("signal_strength_alarm", low=46, width=1, kind="flag"),
-            Column("temperature_alarm", low=47, width=1, kind="flag"),
+            Column("data_id", lowest_bit=3, width=4, value_kind="choice", allowed_values=(4, 11, 15)),
+            Column("status_alarm", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_error", lowest_bit=13, width=1, value_kind="flag"),
+            Column("position", lowest_bit=16, width=variant.rs485_position_bits),
+            Column("overspeed", lowest_bit=40, width=1, value_kind="flag"),
+            Column("initialization_error", lowest_bit=41, width=1, value_kind="flag"),
+            Column("hardware_error", lowest_bit=42, width=1, value_kind="flag"),
+            Column("encoder_inharmonious_error", lowest_bit=43, width=1, value_kind="flag"),
+            Column("higher_track_error", lowest_bit=44, width=1, value_kind="flag"),
+            Column("low_amplitude_error", lowest_bit=45, width=1, value_kind="flag"),
+            Column("signal_strength_alarm", lowest_bit=46, width=1, value_kind="flag"),
+            Column("temperature_alarm", lowest_bit=47, width=1, value_kind="flag"),
         ),
-        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
         unused=(
-            Unused(low=8, width=4, value=0, place=0),
-            Unused(low=14, width=2, value=0, place=6),
+            Unused(lowest_bit=8, width=4, value=0, bit_in_column=0),
+            Unused(lowest_bit=14, width=2, value=0, bit_in_column=6),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
-                low=variant.rs485_position_bits + 16,
+                lowest_bit=variant.rs485_position_bits + 16,
                 width=24 - variant.rs485_position_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(4, 11, 15)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(4, 11, 15)),
         ),
         # Parity bits, which are computed last.
         parities=(
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -276,9 +280,9 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=48,
+            lowest_bit=48,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=7, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=7, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -292,28 +296,28 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_wide_position_reply() -> Shape:
+def layout_of_wide_position_reply() -> FrameLayout:
     """Return the layout of ``WidePositionReply``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=72,
-        length=9,
+    return FrameLayout(
+        bit_count=72,
+        byte_count=9,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("status_alarm", low=12, width=1, kind="flag"),
-            Column("status_error", low=13, width=1, kind="flag"),
-            Column("position", low=16, width=48, kind="signed"),
+            Column("status_alarm", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_error", lowest_bit=13, width=1, value_kind="flag"),
+            Column("position", lowest_bit=16, width=48, value_kind="signed"),
         ),
-        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
         unused=(
-            Unused(low=8, width=4, value=0, place=0),
-            Unused(low=14, width=2, value=0, place=6),
+            Unused(lowest_bit=8, width=4, value=0, bit_in_column=0),
+            Unused(lowest_bit=14, width=2, value=0, bit_in_column=6),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(5,)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(5,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -343,9 +347,9 @@ def shape_of_wide_position_reply() -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=64,
+            lowest_bit=64,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -359,44 +363,44 @@ def shape_of_wide_position_reply() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
+def layout_of_identification_reply(variant: Rs485Encoder) -> FrameLayout:
     """Return the layout of ``IdentificationReply``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=72,
-        length=9,
+    return FrameLayout(
+        bit_count=72,
+        byte_count=9,
         order="little",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("status_alarm", low=12, width=1, kind="flag"),
-            Column("status_error", low=13, width=1, kind="flag"),
-            Column("position", low=16, width=variant.rs485_position_bits),
-            Column("overspeed", low=56, width=1, kind="flag"),
-            Column("initialization_error", low=57, width=1, kind="flag"),
-            Column("hardware_error", low=58, width=1, kind="flag"),
-            Column("encoder_inharmonious_error", low=59, width=1, kind="flag"),
-            Column("higher_track_error", low=60, width=1, kind="flag"),
-            Column("low_amplitude_error", low=61, width=1, kind="flag"),
-            Column("signal_strength_alarm", low=62, width=1, kind="flag"),
-            Column("temperature_alarm", low=63, width=1, kind="flag"),
+            Column("status_alarm", lowest_bit=12, width=1, value_kind="flag"),
+            Column("status_error", lowest_bit=13, width=1, value_kind="flag"),
+            Column("position", lowest_bit=16, width=variant.rs485_position_bits),
+            Column("overspeed", lowest_bit=56, width=1, value_kind="flag"),
+            Column("initialization_error", lowest_bit=57, width=1, value_kind="flag"),
+            Column("hardware_error", lowest_bit=58, width=1, value_kind="flag"),
+            Column("encoder_inharmonious_error", lowest_bit=59, width=1, value_kind="flag"),
+            Column("higher_track_error", lowest_bit=60, width=1, value_kind="flag"),
+            Column("low_amplitude_error", lowest_bit=61, width=1, value_kind="flag"),
+            Column("signal_strength_alarm", lowest_bit=62, width=1, value_kind="flag"),
+            Column("temperature_alarm", lowest_bit=63, width=1, value_kind="flag"),
         ),
-        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from bit `place` on.
+        # Bits that the manual leaves unused. A bit that differs is 1 in the column, from `bit_in_column` on.
         unused=(
-            Unused(low=8, width=4, value=0, place=0),
-            Unused(low=14, width=2, value=0, place=6),
+            Unused(lowest_bit=8, width=4, value=0, bit_in_column=0),
+            Unused(lowest_bit=14, width=2, value=0, bit_in_column=6),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
-            Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
+            Check(lowest_bit=0, width=3, error_kind=ErrorKind.CONSTANT, allowed_values=(2,)),
+            Check(lowest_bit=7, width=1, error_kind=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(
-                low=variant.rs485_position_bits + 16,
+                lowest_bit=variant.rs485_position_bits + 16,
                 width=24 - variant.rs485_position_bits,
-                fault=ErrorKind.CONSTANT,
-                values=(0,),
+                error_kind=ErrorKind.CONSTANT,
+                allowed_values=(0,),
             ),
-            Check(low=40, width=8, fault=ErrorKind.CONSTANT, values=(81,)),
-            Check(low=48, width=8, fault=ErrorKind.CONSTANT, values=(0,)),
-            Check(low=3, width=4, fault=ErrorKind.RANGE, values=(10,)),
+            Check(lowest_bit=40, width=8, error_kind=ErrorKind.CONSTANT, allowed_values=(81,)),
+            Check(lowest_bit=48, width=8, error_kind=ErrorKind.CONSTANT, allowed_values=(0,)),
+            Check(lowest_bit=3, width=4, error_kind=ErrorKind.RANGE, allowed_values=(10,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -453,9 +457,9 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=64,
+            lowest_bit=64,
             width=8,
-            differs=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
+            find_difference=compare_bytes(crc_rs485_8, length=9, width=1, order="little"),
             xorout=0,
             is_xor=True,
         ),
@@ -469,15 +473,15 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
+def layout_of_register_profile_id(variant: BissEncoder) -> FrameLayout:
     """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=16,
-        length=2,
+    return FrameLayout(
+        bit_count=16,
+        byte_count=2,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("profile_id", low=0, width=16),
+            Column("profile_id", lowest_bit=0, width=16),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -487,17 +491,17 @@ def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_serial_number() -> Shape:
+def layout_of_register_serial_number() -> FrameLayout:
     """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=32,
-        length=4,
+    return FrameLayout(
+        bit_count=32,
+        byte_count=4,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("year", low=24, width=8),
-            Column("week", low=16, width=8),
-            Column("number", low=0, width=16),
+            Column("year", lowest_bit=24, width=8),
+            Column("week", lowest_bit=16, width=8),
+            Column("number", lowest_bit=0, width=16),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -509,18 +513,30 @@ def shape_of_register_serial_number() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_configuration() -> Shape:
+def layout_of_register_configuration() -> FrameLayout:
     """Return the layout of ``Configuration``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("counting_direction", low=6, width=1, kind="choice", values=CountingDirection),
-            Column("output_code", low=5, width=1, kind="choice", values=OutputCode),
-            Column("enable_preset_offset", low=2, width=1, kind="choice", values=EnablePresetOffset),
-            Column("select_preset_offset", low=1, width=1, kind="choice", values=SelectPresetOffset),
+            Column("counting_direction", lowest_bit=6, width=1, value_kind="choice", allowed_values=CountingDirection),
+            Column("output_code", lowest_bit=5, width=1, value_kind="choice", allowed_values=OutputCode),
+            Column(
+                "enable_preset_offset",
+                lowest_bit=2,
+                width=1,
+                value_kind="choice",
+                allowed_values=EnablePresetOffset,
+            ),
+            Column(
+                "select_preset_offset",
+                lowest_bit=1,
+                width=1,
+                value_kind="choice",
+                allowed_values=SelectPresetOffset,
+            ),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -536,15 +552,15 @@ def shape_of_register_configuration() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
+def layout_of_register_absolute_resolution(variant: BissEncoder) -> FrameLayout:
     """Return the layout of ``AbsoluteResolution``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("absolute_resolution", low=0, width=8),
+            Column("absolute_resolution", lowest_bit=0, width=8),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -554,34 +570,34 @@ def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_preset_offset() -> Shape:
+def layout_of_register_preset_offset() -> FrameLayout:
     """Return the layout of ``PresetOffset``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=32,
-        length=4,
+    return FrameLayout(
+        bit_count=32,
+        byte_count=4,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("preset_offset", low=0, width=32),
+            Column("preset_offset", lowest_bit=0, width=32),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("preset_offset", low=0, width=32),
         ),
-        limited=("preset_offset", "preset_offset"),
+        limited_value=("preset_offset", "preset_offset"),
     )
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_device_type() -> Shape:
+def layout_of_register_device_type() -> FrameLayout:
     """Return the layout of ``DeviceType``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("type", low=0, width=8),
+            Column("type", lowest_bit=0, width=8),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -591,15 +607,15 @@ def shape_of_register_device_type() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_sine_cosine_resolution() -> Shape:
+def layout_of_register_sine_cosine_resolution() -> FrameLayout:
     """Return the layout of ``SineCosineResolution``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("period", low=0, width=8),
+            Column("period", lowest_bit=0, width=8),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -609,15 +625,15 @@ def shape_of_register_sine_cosine_resolution() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_position_check() -> Shape:
+def layout_of_register_position_check() -> FrameLayout:
     """Return the layout of ``PositionCheck``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("position_check", low=0, width=8),
+            Column("position_check", lowest_bit=0, width=8),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -627,16 +643,16 @@ def shape_of_register_position_check() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_device_id() -> Shape:
+def layout_of_register_device_id() -> FrameLayout:
     """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=48,
-        length=6,
+    return FrameLayout(
+        bit_count=48,
+        byte_count=6,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", low=16, width=32, kind="text"),
-            Column("release", low=0, width=16),
+            Column("name", lowest_bit=16, width=32, value_kind="text"),
+            Column("release", lowest_bit=0, width=16),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -647,15 +663,15 @@ def shape_of_register_device_id() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_manufacturer_id() -> Shape:
+def layout_of_register_manufacturer_id() -> FrameLayout:
     """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=16,
-        length=2,
+    return FrameLayout(
+        bit_count=16,
+        byte_count=2,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("name", low=0, width=16, kind="text"),
+            Column("name", lowest_bit=0, width=16, value_kind="text"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -664,40 +680,40 @@ def shape_of_register_manufacturer_id() -> Shape:
     )
 
 
-#: Frames by interface and sender, each with the function for its shape.
-FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
+#: Frames by interface and sender, each with the function for its layout.
+FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., FrameLayout]]]] = {
     ("ssi", "encoder"): {
-        "ssi_word": shape_of_ssi_word,
+        "ssi_word": layout_of_ssi_word,
     },
     ("biss", "encoder"): {
-        "single_cycle_data": shape_of_single_cycle_data,
+        "single_cycle_data": layout_of_single_cycle_data,
     },
     ("rs485", "master"): {
-        "data_request": shape_of_data_request,
+        "data_request": layout_of_data_request,
     },
     ("rs485", "encoder"): {
-        "position_reply": shape_of_position_reply,
-        "wide_position_reply": shape_of_wide_position_reply,
-        "identification_reply": shape_of_identification_reply,
+        "position_reply": layout_of_position_reply,
+        "wide_position_reply": layout_of_wide_position_reply,
+        "identification_reply": layout_of_identification_reply,
     },
 }
 
 #: Function for the description of each class.
-SHAPES: Final[Mapping[type, Callable[..., Shape]]] = {
-    SsiWord: shape_of_ssi_word,
-    SingleCycleData: shape_of_single_cycle_data,
-    DataRequest: shape_of_data_request,
-    PositionReply: shape_of_position_reply,
-    WidePositionReply: shape_of_wide_position_reply,
-    IdentificationReply: shape_of_identification_reply,
-    ProfileId: shape_of_register_profile_id,
-    SerialNumber: shape_of_register_serial_number,
-    Configuration: shape_of_register_configuration,
-    AbsoluteResolution: shape_of_register_absolute_resolution,
-    PresetOffset: shape_of_register_preset_offset,
-    DeviceType: shape_of_register_device_type,
-    SineCosineResolution: shape_of_register_sine_cosine_resolution,
-    PositionCheck: shape_of_register_position_check,
-    DeviceId: shape_of_register_device_id,
-    ManufacturerId: shape_of_register_manufacturer_id,
+LAYOUTS: Final[Mapping[type, Callable[..., FrameLayout]]] = {
+    SsiWord: layout_of_ssi_word,
+    SingleCycleData: layout_of_single_cycle_data,
+    DataRequest: layout_of_data_request,
+    PositionReply: layout_of_position_reply,
+    WidePositionReply: layout_of_wide_position_reply,
+    IdentificationReply: layout_of_identification_reply,
+    ProfileId: layout_of_register_profile_id,
+    SerialNumber: layout_of_register_serial_number,
+    Configuration: layout_of_register_configuration,
+    AbsoluteResolution: layout_of_register_absolute_resolution,
+    PresetOffset: layout_of_register_preset_offset,
+    DeviceType: layout_of_register_device_type,
+    SineCosineResolution: layout_of_register_sine_cosine_resolution,
+    PositionCheck: layout_of_register_position_check,
+    DeviceId: layout_of_register_device_id,
+    ManufacturerId: layout_of_register_manufacturer_id,
 }

@@ -9,7 +9,6 @@ rarely need them.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Final
 
 from codewheel_runtime.facts import (
@@ -690,7 +689,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
 )
 
 #: Facts about the fields of each frame, by the name of the frame.
-FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
+FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = ReadOnly(
     {
         "ssi_word": (
             FieldFacts(name="multiturn", meaning="Number of revolutions", unit="revolutions"),
@@ -1121,7 +1120,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
 )
 
 #: Facts about each register, by its name.
-REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
+REGISTERS: Final[Mapping[str, Register]] = ReadOnly(
     {
         "preset": Register(
             name="preset",

@@ -9,7 +9,6 @@ rarely need them.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Final
 
 from codewheel_runtime.facts import (
@@ -47,7 +46,7 @@ from codewheel_runtime.facts import (
     Timing,
 )
 from codewheel_runtime.order_codes import OrderCode, Part, PartValue
-from codewheel_runtime.reports import Interface, Report, Reports, Verdict
+from codewheel_runtime.reports import Interface, ReadOnly, Report, Reports, Verdict
 
 MANUAL: Final = Manual(
     title="ASC85",
@@ -284,7 +283,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
 )
 
 #: Facts about the fields of each frame, by the name of the frame.
-FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
+FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = ReadOnly(
     {
         "ssi_word": (FieldFacts(name="position", meaning="Position within one revolution", unit="counts"),),
         "single_cycle_data": (
@@ -330,7 +329,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
 )
 
 #: Facts about each register, by its name.
-REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
+REGISTERS: Final[Mapping[str, Register]] = ReadOnly(
     {
         "profile_id": Register(
             name="profile_id",

@@ -9,7 +9,6 @@ rarely need them.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Final
 
 from codewheel_runtime.facts import (
@@ -524,7 +523,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
 )
 
 #: Facts about the fields of each frame, by the name of the frame.
-FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
+FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = ReadOnly(
     {
         "ssi_word": (
             FieldFacts(
@@ -971,7 +970,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
 )
 
 #: Facts about each register, by its name.
-REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
+REGISTERS: Final[Mapping[str, Register]] = ReadOnly(
     {
         "profile_id": Register(
             name="profile_id",

@@ -33,20 +33,20 @@ def shorten(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:60]}..."
 
 
-def require_answer(answer_class: type[_Answer], answer: _Answer | None) -> _Answer:
+def require_answer(argument_name: str, answer_class: type[_Answer], answer: _Answer | None) -> _Answer:
     """Return ``answer`` if it answers a question that the manual leaves open, otherwise raise TypeError.
 
-    ``answer_class`` is the enumeration of the possible answers.
+    ``answer_class`` is the enumeration of the possible answers, and ``argument_name`` is for the error.
     """
     if not isinstance(answer, answer_class):
-        raise wrong_answer_error(answer_class, answer)
+        raise wrong_answer_error(argument_name, answer_class, answer)
     return answer
 
 
-def wrong_answer_error(answer_class: type[Enum], answer: object) -> TypeError:
+def wrong_answer_error(argument_name: str, answer_class: type[Enum], answer: object) -> TypeError:
     """Return the error for an answer that is missing or not a member of the enumeration ``answer_class``."""
     answers = " or ".join(f"{answer_class.__name__}.{member.name}" for member in answer_class)
-    return TypeError(f"expected {answers}, got {shorten(answer)}: the manual leaves this open")
+    return TypeError(f"{argument_name} must be {answers}, got {shorten(answer)}: the manual leaves this open")
 
 
 def check_kind(kind: object, kinds: object) -> None:

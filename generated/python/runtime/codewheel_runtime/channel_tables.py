@@ -89,14 +89,14 @@ def decode_channels(layout: Any, frames: object) -> ChannelTable:
     lowest bit of the last byte.
     """
     # The frames are rows of this many bytes, with leading zeros.
-    length = (layout.bits + 7) // 8
-    rows, does_not_fit = _read_rows_of_frames(frames, layout.bits, length)
+    frame_bytes = (layout.bits + 7) // 8
+    rows, does_not_fit = _read_rows_of_frames(frames, layout.bits, frame_bytes)
     # The first channel forms the highest bits.
-    low_bit = layout.bits
+    lowest_bit = layout.bits
     tables: list[Table] = []
-    for frame_class, bits in zip(layout.kinds, layout.channel_bits, strict=True):
-        low_bit -= bits
-        words = _extract_bits(rows, low_bit, bits)
+    for frame_class, channel_bits in zip(layout.kinds, layout.channel_bits, strict=True):
+        lowest_bit -= channel_bits
+        words = _extract_bits(rows, lowest_bit, channel_bits)
         tables.append(decode_frames(words, frame_class, variant=layout.encoder))
     return ChannelTable(layout, tuple(tables), does_not_fit)
 
@@ -111,10 +111,10 @@ class _Rows(NamedTuple):
     does_not_fit: Any
 
 
-def _read_rows_of_frames(frames: Any, bits: int, length: int) -> _Rows:
-    """Convert frames of ``bits`` bits from numbers or bytes to rows of ``length`` bytes.
+def _read_rows_of_frames(frames: Any, frame_bits: int, frame_bytes: int) -> _Rows:
+    """Convert frames of ``frame_bits`` bits from numbers or bytes to rows of ``frame_bytes`` bytes.
 
-    A frame does not fit if it has another number of bytes, or a 1 above its ``bits`` bits.
+    A frame does not fit if it has another number of bytes, or a 1 above its ``frame_bits`` bits.
     """
     # The kinds of numbers: unsigned, signed, and Python's integers, which can have more than 64 bits.
     is_array_of_numbers = isinstance(frames, np.ndarray) and frames.dtype.kind in "uiO" and frames.ndim == 1
@@ -123,42 +123,42 @@ def _read_rows_of_frames(frames: Any, bits: int, length: int) -> _Rows:
     if isinstance(frames, (list, tuple)):
         frame_list = list(cast(Iterable[Any], frames))
         if not any(isinstance(frame, bytes) for frame in frame_list):
-            return _convert_numbers(frame_list, bits, length)
-    rows, wrong_rows = read_rows(frames, length)
+            return _convert_numbers(frame_list, frame_bits, frame_bytes)
+    rows, wrong_rows = read_rows(frames, frame_bytes)
     # The frame may not fill its first byte, which then begins with zeros.
-    bits_of_first_byte = bits - 8 * (length - 1)
+    bits_of_first_byte = frame_bits - 8 * (frame_bytes - 1)
     does_not_fit = rows[:, 0] >= (1 << bits_of_first_byte)
     if len(wrong_rows):
         does_not_fit[wrong_rows] = True
     return _Rows(rows, does_not_fit)
 
 
-def _convert_numbers(frames: list[Any], bits: int, length: int) -> _Rows:
-    """Convert frames of ``bits`` bits from numbers to rows of ``length`` bytes."""
+def _convert_numbers(frames: list[Any], frame_bits: int, frame_bytes: int) -> _Rows:
+    """Convert frames of ``frame_bits`` bits from numbers to rows of ``frame_bytes`` bytes."""
     data = bytearray()
     does_not_fit: list[bool] = []
     for frame in frames:
         number = whole_number("the frame", frame)
-        fits = 0 <= number < (1 << bits)
-        data += (number if fits else 0).to_bytes(length, "big")
+        fits = 0 <= number < (1 << frame_bits)
+        data += (number if fits else 0).to_bytes(frame_bytes, "big")
         does_not_fit.append(not fits)
-    return _Rows(np.frombuffer(data, np.uint8).reshape(-1, length), np.array(does_not_fit, bool))
+    return _Rows(np.frombuffer(data, np.uint8).reshape(-1, frame_bytes), np.array(does_not_fit, bool))
 
 
-def _extract_bits(rows: Any, low_bit: int, width: int) -> Any:
-    """Return the ``width`` bits of each row that start at bit ``low_bit``, as numbers.
+def _extract_bits(rows: Any, lowest_bit: int, width: int) -> Any:
+    """Return the ``width`` bits of each row that start at bit ``lowest_bit``, as numbers.
 
     Bit 0 is the lowest bit of the last byte.
     """
     numbers = np.zeros(len(rows), np.uint64)
     last_column = rows.shape[1] - 1
-    first_byte = low_bit // 8
-    end_byte = (low_bit + width + 7) // 8
+    first_byte = lowest_bit // 8
+    end_byte = (lowest_bit + width + 7) // 8
     for byte_index in range(first_byte, end_byte):
         byte = rows[:, last_column - byte_index].astype(np.uint64)
         # Place of the byte in the number. It is negative if the byte begins below the lowest bit.
-        place = 8 * byte_index - low_bit
-        shifted_byte = shift_left(byte, place) if place >= 0 else shift_right(byte, -place)
+        bit_in_number = 8 * byte_index - lowest_bit
+        shifted_byte = shift_left(byte, bit_in_number) if bit_in_number >= 0 else shift_right(byte, -bit_in_number)
         numbers |= shifted_byte
     return numbers & bit_mask(width)
 

@@ -171,11 +171,11 @@ class ChannelLayout:
         if number >> self.bits:
             raise too_long_error(number, self.bits)
         channels: list[Any] = []
-        low_bit = self.bits
+        lowest_bit = self.bits
         for frame_class, arguments, channel_bits in zip(self.kinds, self._arguments, self.channel_bits, strict=True):
-            low_bit -= channel_bits
+            lowest_bit -= channel_bits
             channel_mask = (1 << channel_bits) - 1
-            channel_number = (number >> low_bit) & channel_mask
+            channel_number = (number >> lowest_bit) & channel_mask
             try:
                 channels.append(frame_class.decode(channel_number, *arguments))
             except FrameError as error:
@@ -230,7 +230,7 @@ class ChannelLayout:
         """
         from .captures.capture import Probes, read_channel_capture
 
-        probes = Probes(clock=clock, data=data, rate=rate, rest=rest, threshold=threshold)
+        probes = Probes(clock=clock, data=data, rate=rate, shortest_pause=rest, threshold=threshold)
         return read_channel_capture(self, source, probes)
 
     def compare(self, channels: Sequence[Any]) -> bool:

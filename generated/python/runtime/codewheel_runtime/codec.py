@@ -167,81 +167,81 @@ def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> in
     return check_width(field, number, bits)
 
 
-def exchange_bytes(data: bytes, places: Sequence[tuple[int, int]]) -> bytes:
+def exchange_bytes(data: bytes, field_ranges: Sequence[tuple[int, int]]) -> bytes:
     """Return ``data`` with the bytes of some fields in reverse order.
 
-    ``places`` has the first byte of each field, and the byte after the field.
+    ``field_ranges`` has the first byte of each field, and the byte after the field.
     """
-    for start, stop in places:
+    for start, stop in field_ranges:
         data = data[:start] + data[start:stop][::-1] + data[stop:]
     return data
 
 
-def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
-    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary.
+def from_gray(number: int, lowest_bit: int, width: int, excess: int = 0) -> int:
+    """Convert the ``width`` bits of ``number`` that start at bit ``lowest_bit`` from Gray code to binary.
 
     ``excess`` is the number that the encoder sends for position 0. It is subtracted from the converted bits, and the
     difference wraps around in ``width`` bits. The other bits of ``number`` do not change.
     """
     mask = (1 << width) - 1
-    gray = (number >> low) & mask
+    gray = (number >> lowest_bit) & mask
     # Each bit of the binary number is the XOR of all Gray bits from it up to the highest.
     binary = gray
     while gray := gray >> 1:
         binary ^= gray
-    other_bits = number & ~(mask << low)
-    return other_bits | (((binary - excess) & mask) << low)
+    other_bits = number & ~(mask << lowest_bit)
+    return other_bits | (((binary - excess) & mask) << lowest_bit)
 
 
-def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
-    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from binary to Gray code.
+def to_gray(number: int, lowest_bit: int, width: int, excess: int = 0) -> int:
+    """Convert the ``width`` bits of ``number`` that start at bit ``lowest_bit`` from binary to Gray code.
 
     ``excess`` is the number that the encoder sends for position 0. It is added to the bits before, and the sum wraps
     around in ``width`` bits. The other bits of ``number`` do not change.
     """
     mask = (1 << width) - 1
-    binary = ((number >> low) + excess) & mask
+    binary = ((number >> lowest_bit) + excess) & mask
     gray = binary ^ (binary >> 1)
-    other_bits = number & ~(mask << low)
-    return other_bits | (gray << low)
+    other_bits = number & ~(mask << lowest_bit)
+    return other_bits | (gray << lowest_bit)
 
 
-def from_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
-    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from separate digits to binary.
+def from_digits(number: int, lowest_bit: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
+    """Convert the ``width`` bits of ``number`` that start at bit ``lowest_bit`` from separate digits to binary.
 
     Each digit has ``digit_bits`` bits, and ``codes`` contains the code of each digit, starting with 0, such as BCD. If
     a digit has another code, the converted bits are all 1, which is above the highest number.
     """
     mask = (1 << width) - 1
     digit_mask = (1 << digit_bits) - 1
-    sent_digits = (number >> low) & mask
-    other_bits = number & ~(mask << low)
+    sent_digits = (number >> lowest_bit) & mask
+    other_bits = number & ~(mask << lowest_bit)
     base = len(codes)
     value = 0
     # Places of the digits, the highest digit first.
-    highest_place = (width - 1) // digit_bits * digit_bits
-    for place in range(highest_place, -1, -digit_bits):
-        code = (sent_digits >> place) & digit_mask
+    highest_digit_shift = (width - 1) // digit_bits * digit_bits
+    for digit_shift in range(highest_digit_shift, -1, -digit_bits):
+        code = (sent_digits >> digit_shift) & digit_mask
         if code not in codes:
             value = mask
             break
         value = value * base + codes.index(code)
-    return other_bits | (value << low)
+    return other_bits | (value << lowest_bit)
 
 
-def to_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
-    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from binary to separate digits.
+def to_digits(number: int, lowest_bit: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
+    """Convert the ``width`` bits of ``number`` that start at bit ``lowest_bit`` from binary to separate digits.
 
     Each digit has ``digit_bits`` bits, and ``codes`` contains the code of each digit, starting with 0, such as BCD.
     """
     mask = (1 << width) - 1
-    value = (number >> low) & mask
-    other_bits = number & ~(mask << low)
+    value = (number >> lowest_bit) & mask
+    other_bits = number & ~(mask << lowest_bit)
     sent_digits = 0
-    for place in range(0, width, digit_bits):
+    for digit_shift in range(0, width, digit_bits):
         value, digit = divmod(value, len(codes))
-        sent_digits |= codes[digit] << place
-    return other_bits | ((sent_digits & mask) << low)
+        sent_digits |= codes[digit] << digit_shift
+    return other_bits | ((sent_digits & mask) << lowest_bit)
 
 
 def unwrap(
@@ -305,12 +305,12 @@ def crc_of_bits(
     the CRC, and ``xorout`` then inverts some of them. Raises RangeError if the number has more than ``bits`` bits.
     """
     number = check_width("number", number, bits)
-    highest_place = width - 1
+    highest_bit = width - 1
     mask = (1 << width) - 1
     register = init
     for bit in reversed(range(bits)):
         # The bit of the register that is shifted out, XORed with the next bit of the number.
-        feedback = ((register >> highest_place) ^ (number >> bit)) & 1
+        feedback = ((register >> highest_bit) ^ (number >> bit)) & 1
         register = (register << 1) & mask
         if feedback:
             register ^= poly
@@ -372,20 +372,20 @@ def make_crc_tables(
     return tuple(tables)
 
 
-def _make_table(first: int, changes: Sequence[int]) -> Sequence[int]:
-    """Return a table with an entry for each number: ``first`` XORed with the changes for all 1 bits in the number.
+def _make_table(first_entry: int, changes: Sequence[int]) -> Sequence[int]:
+    """Return a table with an entry for each number: ``first_entry`` XORed with the changes for its 1 bits.
 
     Each bit doubles the table: its second half contains the entries with this bit set.
     """
-    table = [first]
+    table = [first_entry]
     for change in changes:
         table += [entry ^ change for entry in table]
     return table
 
 
-def _make_byte_table(first: int, changes: Sequence[int]) -> Sequence[int]:
+def _make_byte_table(first_entry: int, changes: Sequence[int]) -> Sequence[int]:
     """Return the table of ``_make_table`` as bytes, which take less memory."""
-    table = bytes([first])
+    table = bytes([first_entry])
     for change in changes:
         table += table.translate(bytes(byte ^ change for byte in range(256)))
     return table

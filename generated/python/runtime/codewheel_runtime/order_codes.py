@@ -26,8 +26,8 @@ class OrderCodeError(ValueError):
 
     Attributes:
         label: The label.
-        part: Name of the wrong part. The first of several parts that cannot be combined, or empty if it is
-        unknown. reason: Description of the error.
+        part: Name of the wrong part. The first of several parts that cannot be combined, or empty if it is unknown.
+        reason: Description of the error.
         nearest: Order codes most similar to the label.
     """
 
@@ -220,10 +220,10 @@ class OrderCode(NamedTuple):
         can_be_combined = all(_can_be_combined(part, listed_values) for part in unlisted_parts)
         if not can_be_combined:
             return None
-        names = [part.name for part in self.parts]
+        part_names = [part.name for part in self.parts]
         for code_parts in codes.values():
-            value_by_name = dict(zip(names, code_parts, strict=False))
-            if all(value in (None, value_by_name[name]) for name, value in listed_values.items()):
+            code_values = dict(zip(part_names, code_parts, strict=False))
+            if all(value in (None, code_values[name]) for name, value in listed_values.items()):
                 return code_parts
         return None
 
@@ -240,13 +240,13 @@ class OrderCode(NamedTuple):
         ``part_texts`` contains the text of each part of the label ``text``, and ``listed_values`` contains its listed
         value, or None.
         """
-        names: list[str] = []
+        wrong_part_names: list[str] = []
         for part in self.parts:
-            replacements = ({**listed_values, part.name: value.text} for value in part.values)
-            if any(self._find_fitting_code(changed_values, codes) for changed_values in replacements):
-                names.append(part.name)
-        parts_text = " and ".join(f"{name} '{part_texts[name]}'" for name in names) or "its parts"
-        first_name = names[0] if names else ""
+            changed_combinations = ({**listed_values, part.name: value.text} for value in part.values)
+            if any(self._find_fitting_code(changed_combination, codes) for changed_combination in changed_combinations):
+                wrong_part_names.append(part.name)
+        parts_text = " and ".join(f"{name} '{part_texts[name]}'" for name in wrong_part_names) or "its parts"
+        first_name = wrong_part_names[0] if wrong_part_names else ""
         reason = f"has {parts_text}, which cannot be combined"
         return OrderCodeError(text, first_name, reason, find_nearest(codes, text))
 
@@ -367,9 +367,9 @@ def _can_be_combined(part: Part, listed_values: Mapping[str, str | None]) -> boo
     ``listed_values`` contains the listed value of each part by name, or None for an unlisted value, which can always be
     combined.
     """
-    for name, allowed in part.open_only_with.items():
+    for name, allowed_values in part.open_only_with.items():
         value = listed_values[name]
-        if value is not None and value not in allowed:
+        if value is not None and value not in allowed_values:
             return False
     return True
 
@@ -381,8 +381,8 @@ def _find_listed(part: Part, text: str) -> str | None:
 
 def _match_values(part: Part) -> str:
     """Return a regular expression for the listed values of a part, and for other values if the manual allows them."""
-    listed = _match_any(value.text for value in part.values)
-    return f"{listed}|{part.open}" if part.open else listed
+    listed_expression = _match_any(value.text for value in part.values)
+    return f"{listed_expression}|{part.open}" if part.open else listed_expression
 
 
 def _match_any(texts: Iterable[str]) -> str:

@@ -113,6 +113,10 @@ class Reports(Mapping[str, Report]):
     def _items(self) -> dict[str, Report]:
         return {report.name: report for report in self._make()}
 
+    def __reduce__(self) -> tuple[object, ...]:
+        # Copies and pickles contain the reports, because functions of a module without a name cannot be pickled.
+        return ReadOnly, (self._items,)
+
     def __getitem__(self, key: str) -> Report:
         return self._items[key]
 

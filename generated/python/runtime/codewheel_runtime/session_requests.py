@@ -9,11 +9,11 @@ from functools import partial
 from importlib import import_module
 from typing import Any, cast, get_args
 
-from .bulk.shape import Shape, holds
+from .bulk.shape import FrameLayout, holds
 from .encoder import Encoder, Exchanged, Frame
 from .errors import FrameError
 from .frames.decoders import cached_decoder, raise_error
-from .frames.descriptions import find_any_shape
+from .frames.descriptions import find_any_layout
 from .link_errors import LinkError
 from .replies import PendingRequest, ReplyKind
 
@@ -106,14 +106,14 @@ class SessionRequests:
             name = exchange.request.__name__
             if exchange.reply is None:
                 raise LinkError(f"{self.encoder.code} does not answer {name}: send its bytes with 'send'")
-            shape = find_any_shape(exchange.reply, self.encoder)
+            layout = find_any_layout(exchange.reply, self.encoder)
             sent_bytes = request.encode()
             kind = ReplyKind(
                 name=name,
                 control=sent_bytes[0],
                 id=0,
                 purpose=exchange.purpose,
-                length=shape.length,
+                length=layout.byte_count,
                 has_position=exchange.purpose == "position",
                 flags=(),
                 repeats_first=exchange.repeats_first,
@@ -131,7 +131,7 @@ class SessionRequests:
         ignored.
         """
         fields = getattr(pending.request, "_fields", ())
-        joins = find_any_shape(pending.request.__class__, self.encoder).joins if fields else ()
+        joins = find_any_layout(pending.request.__class__, self.encoder).joins if fields else ()
         for name in (*fields, *(join.name for join in joins)):
             if name in pending.answers:
                 continue
@@ -157,38 +157,38 @@ def _find_request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
     """
     module: Any = import_module(type(encoder).__module__)
     reply_classes = get_args(module.Reply) or (module.Reply,)
-    replies = [(reply_class, find_any_shape(reply_class, encoder)) for reply_class in reply_classes]
+    replies = [(reply_class, find_any_layout(reply_class, encoder)) for reply_class in reply_classes]
     kinds: dict[int, ReplyKind] = {}
     for data_id in load_rs485_facts(encoder).data_ids:
         # Of several classes of replies, the first one that may begin with this byte is the reply.
-        fitting_replies = [(reply_class, shape) for reply_class, shape in replies if _may_begin(shape, data_id)]
+        fitting_replies = [(reply_class, layout) for reply_class, layout in replies if _may_begin(layout, data_id)]
         if not fitting_replies:
             continue
-        reply_class, shape = fitting_replies[0]
+        reply_class, layout = fitting_replies[0]
         kinds[data_id.control] = ReplyKind(
             name=data_id.name,
             control=data_id.control,
             id=data_id.id,
             purpose=data_id.purpose.value,
-            length=shape.length,
-            has_position=bool(shape.position) and hasattr(reply_class, "usable_position"),
-            flags=tuple(column.name for column in shape.columns if column.kind == "flag"),
+            length=layout.byte_count,
+            has_position=bool(layout.position) and hasattr(reply_class, "usable_position"),
+            flags=tuple(column.name for column in layout.columns if column.value_kind == "flag"),
         )
     return kinds
 
 
-def _may_begin(shape: Shape, data_id: Any) -> bool:
-    """Return whether a reply of this shape can begin with the control byte of a data ID.
+def _may_begin(layout: FrameLayout, data_id: Any) -> bool:
+    """Return whether a reply with this layout can begin with the control byte of a data ID.
 
     The constants in its first byte must match the control byte, and a data ID field must allow this data ID.
     """
-    for check in shape.checks:
-        is_in_first_byte = check.low + check.width <= 8
+    for check in layout.checks:
+        is_in_first_byte = check.lowest_bit + check.width <= 8
         if is_in_first_byte and not holds(data_id.control, check):
             return False
-    for column in shape.columns:
-        begins_in_first_byte = column.low < 8
-        allowed_values = column.values
+    for column in layout.columns:
+        begins_in_first_byte = column.lowest_bit < 8
+        allowed_values = column.allowed_values
         if begins_in_first_byte and allowed_values and data_id.id not in allowed_values:
             return False
     return True

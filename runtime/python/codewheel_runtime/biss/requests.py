@@ -104,14 +104,14 @@ class Request:
         start_bit = (1,)
         return (0,) * ZEROS + start_bit + word_bits
 
-    def _check_echo(self, answers: int) -> Outcome:
+    def _check_echo(self, answer_bits: int) -> Outcome:
         """Return the outcome from the 18 answers to the header, IDL0 in bit 17 to W in bit 0.
 
         The outcome is RUNNING if the slave accepts the access.
         """
         # The first answers are the IDL bits, in the order of the IDs: a 1 shows that a slave has taken the ID.
-        has_taken_id = bit_at(answers, _ECHO_BITS - 1 - self.slave_id)
-        never_changes = answers == _ALL_ONES
+        has_taken_id = bit_at(answer_bits, _ECHO_BITS - 1 - self.slave_id)
+        never_changes = answer_bits == _ALL_ONES
         if never_changes or not has_taken_id:
             return Outcome.NO_ANSWER
         # R and W, the last two answers:   accepted   refused (W inverted)
@@ -119,7 +119,7 @@ class Request:
         #                        to write  01         00
         accepted_bits = _READ_BITS if self.value is None else _WRITE_BITS
         refused_bits = accepted_bits ^ 0b01
-        access_bits = answers & 0b11
+        access_bits = answer_bits & 0b11
         if access_bits == accepted_bits:
             return Outcome.RUNNING
         if access_bits == refused_bits:
@@ -127,18 +127,18 @@ class Request:
         # Only a read gets here with the bits 00.
         return Outcome.NO_ANSWER if access_bits == 0 else Outcome.BAD_ECHO
 
-    def _check_data(self, answers: int) -> tuple[Outcome, int | None]:
+    def _check_data(self, answer_bits: int) -> tuple[Outcome, int | None]:
         """Return the outcome from the 12 answers to DATA and its CRC, and the byte that was read.
 
         The byte is None for a write, and after a CRC error. A write has succeeded if the slave has echoed the byte and
         its CRC.
         """
         if self.value is not None:
-            is_repeated = answers == encode_byte(self.value)
+            is_repeated = answer_bits == encode_byte(self.value)
             outcome = Outcome.DONE if is_repeated else Outcome.BAD_ECHO
             return outcome, None
         try:
-            return Outcome.DONE, decode_byte(answers)
+            return Outcome.DONE, decode_byte(answer_bits)
         except CrcError:
             return Outcome.BAD_CRC, None
 
@@ -192,13 +192,13 @@ class Answer:
         return cls(outcome, slaves, value)
 
 
-def count_slaves(idl: int) -> int:
+def count_slaves(id_lock_bits: int) -> int:
     """Return how many slaves have taken an ID, according to the 16 bits IDL0 (bit 15) to IDL15 (bit 0).
 
     Three slaves are ``0b1110_0000_0000_0000``. A result of 9 means more than 8.
     """
     # Slaves take IDs from 0 on, so their number is the number of 1 bits before the first 0. In the inverted bits, the
     # first 0 is the highest 1.
-    inverted = ~idl & 0xFFFF
-    leading_ones = 16 - inverted.bit_length()
+    inverted_bits = ~id_lock_bits & 0xFFFF
+    leading_ones = 16 - inverted_bits.bit_length()
     return min(leading_ones, 9)

@@ -65,9 +65,9 @@ class Slave:
         self._register_address = 0
         #: Number of zeros that were received since the last 1.
         self._zeros = 0
-        #: Number of CDM bits of this phase in ``_received``, where the last one is bit 0.
+        #: Number of CDM bits of this phase in ``_received_bits``, where the last one is bit 0.
         self._bit_count = 0
-        self._received = 0
+        self._received_bits = 0
 
     def give(self, value: int) -> None:
         """Provide the byte of the register that the slave requests. This has no effect if the slave requests no byte.
@@ -116,7 +116,7 @@ class Slave:
         if not cdm or not may_begin:
             return upstream
         self._phase = Phase.HEADER
-        self._bit_count = self._received = 0
+        self._bit_count = self._received_bits = 0
         self.slave_id = None
         self._has_taken_id = False
         return self._answer_id_bit(upstream)
@@ -168,7 +168,7 @@ class Slave:
 
         The answers to CTS, ID, ADR and their CRC are the IDL bits. The answers to R and W follow.
         """
-        self._received = append_bit(self._received, cdm)
+        self._received_bits = append_bit(self._received_bits, cdm)
         self._bit_count += 1
         if self._bit_count <= HEAD_AND_CRC_BITS:
             cds = self._answer_id_bit(upstream)
@@ -183,7 +183,7 @@ class Slave:
 
         It is not for this slave if it is a command (CTS = 0), has a different ID, or has a CRC error.
         """
-        head = ControlHead.decode_with_crc(self._received)
+        head = ControlHead.decode_with_crc(self._received_bits)
         if head is not None and head.is_register_access and head.slave_id == self.slave_id:
             self._register_address = head.address
         else:
@@ -195,7 +195,7 @@ class Slave:
         R W is 10 to read and 01 to write. After other bits and after a refusal, the slave leaves the control frame.
         """
         # W is bit 0, and R was received before it.
-        r_bit = bit_at(self._received, 1)
+        r_bit = bit_at(self._received_bits, 1)
         self._is_write = bool(cdm)
         if r_bit == cdm:
             # R W is neither 10 nor 01. It is echoed as received, to inform the master.
@@ -220,7 +220,7 @@ class Slave:
         if self.wants is not Wants.NOTHING:
             return 0
         self._phase = Phase.BYTE
-        self._bit_count = self._received = 0
+        self._bit_count = self._received_bits = 0
         return 1
 
     def _follow_byte(self, cdm: int) -> int:
@@ -229,7 +229,7 @@ class Slave:
         In a read, this is a bit of the byte and its CRC. In a write, it is the received bit. The answer to P is 1 to
         refuse the next register.
         """
-        self._received = append_bit(self._received, cdm)
+        self._received_bits = append_bit(self._received_bits, cdm)
         self._bit_count += 1
         if self._bit_count > BYTE_BITS:
             return self._answer_p_bit(cdm)
@@ -260,7 +260,7 @@ class Slave:
         The echo shows the error to the master.
         """
         try:
-            self.value = decode_byte(self._received)
+            self.value = decode_byte(self._received_bits)
         except CrcError:
             self._leave_frame()
             return

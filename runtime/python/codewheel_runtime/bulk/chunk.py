@@ -8,7 +8,7 @@ from functools import lru_cache, reduce
 from typing import Any, Final
 
 from ..packages import load
-from .shape import Check, CrcOf, DigitCoding, Shape
+from .shape import Check, CrcOf, DigitCoding, FrameLayout
 
 #: NumPy, untyped so that type checkers accept all its versions.
 np: Any = load("numpy")
@@ -66,44 +66,44 @@ class Chunk:
             self._cached_bytes[index] = word.astype(np.uint8)
         return self._cached_bytes[index]
 
-    def take_from_byte(self, low: int, mask: int) -> Any:
-        """Return the bits of each frame that start at bit ``low``, limited to ``mask``.
+    def take_from_byte(self, lowest_bit: int, mask: int) -> Any:
+        """Return the bits of each frame that start at bit ``lowest_bit``, limited to ``mask``.
 
         All of them are in the same byte.
         """
-        byte_index, shift = divmod(low, 8)
+        byte_index, shift = divmod(lowest_bit, 8)
         bits = self.byte(byte_index)
         if shift:
             bits = bits >> np.uint8(shift)
         mask_of_shifted_byte = 0xFF >> shift
         return bits if mask == mask_of_shifted_byte else bits & np.uint8(mask)
 
-    def take(self, low: int, width: int) -> Any:
-        """Return the ``width`` bits of each frame that start at bit ``low``. The array has 8-bit or 64-bit numbers.
+    def take(self, lowest_bit: int, width: int) -> Any:
+        """Return the ``width`` bits of each frame from bit ``lowest_bit`` on. The array has 8-bit or 64-bit numbers.
 
         If the width is 0, all numbers are 0.
         """
         if not width:
             return np.zeros(len(self.words[0]), np.uint8)
-        if _is_in_one_byte(low, width):
-            return self.take_from_byte(low, (1 << width) - 1)
-        return self._take_from_words(low, width, out=None)
+        if _is_in_one_byte(lowest_bit, width):
+            return self.take_from_byte(lowest_bit, (1 << width) - 1)
+        return self._take_from_words(lowest_bit, width, out=None)
 
-    def write_bits(self, low: int, width: int, out: Any) -> None:
-        """Write the ``width`` bits of each frame that start at bit ``low`` into ``out``, an array of 64-bit numbers.
+    def write_bits(self, lowest_bit: int, width: int, out: Any) -> None:
+        """Write the ``width`` bits of each frame from bit ``lowest_bit`` on into ``out``, an array of 64-bit numbers.
 
         If the width is 0, all numbers are 0.
         """
         if not width:
             out[:] = 0
-        elif _is_in_one_byte(low, width):
-            out[:] = self.take_from_byte(low, (1 << width) - 1)
+        elif _is_in_one_byte(lowest_bit, width):
+            out[:] = self.take_from_byte(lowest_bit, (1 << width) - 1)
         else:
-            self._take_from_words(low, width, out=out)
+            self._take_from_words(lowest_bit, width, out=out)
 
-    def _take_from_words(self, low: int, width: int, out: Any) -> Any:
+    def _take_from_words(self, lowest_bit: int, width: int, out: Any) -> Any:
         """Return the bits of a field as 64-bit numbers. They are written into ``out``, or a new array if it is None."""
-        word_index, shift = divmod(low, _WORD_BITS)
+        word_index, shift = divmod(lowest_bit, _WORD_BITS)
         number = np.right_shift(self.words[word_index], np.uint64(shift), out=out)
         end_in_word = shift + width
         if end_in_word > _WORD_BITS:
@@ -111,40 +111,40 @@ class Chunk:
             number |= shift_left(self.words[word_index + 1], _WORD_BITS - shift)
         # The shift leaves the bits above the field in the number, unless the field ends with its word or the frame.
         ends_with_word = end_in_word == _WORD_BITS
-        ends_with_frame = low + width == self.bits
+        ends_with_frame = lowest_bit + width == self.bits
         has_bits_above = not (ends_with_word or ends_with_frame or width == _WORD_BITS)
         if has_bits_above:
             number &= bit_mask(width)
         return number
 
-    def write_flag(self, low: int, width: int, is_active_high: bool, out: Any) -> None:
+    def write_flag(self, lowest_bit: int, width: int, is_active_high: bool, out: Any) -> None:
         """Write the state of a flag into ``out``, an array of bools: True for each frame in which it is active.
 
-        The flag is bit ``low``. An active-low flag (``is_active_high`` is False) is active if the bit is 0. If the
-        width is 0, the encoder does not send the flag, and it is never active.
+        The flag is bit ``lowest_bit``. An active-low flag (``is_active_high`` is False) is active if the bit is 0. If
+        the width is 0, the encoder does not send the flag, and it is never active.
         """
         if not width:
             out[:] = False
             return
-        bit = self.byte(low // 8) & np.uint8(1 << (low % 8))
+        bit = self.byte(lowest_bit // 8) & np.uint8(1 << (lowest_bit % 8))
         if is_active_high:
             np.not_equal(bit, 0, out=out)
         else:
             np.equal(bit, 0, out=out)
 
-    def convert_to_binary(self, shape: Shape) -> None:
+    def convert_to_binary(self, layout: FrameLayout) -> None:
         """Convert numbers in this chunk that are sent as separate digits or in Gray code to binary.
 
         ``as_sent`` returns the unconverted bits. Frames with such numbers have a single word.
         """
-        if shape.gray is None and not shape.digit_codings:
+        if layout.gray is None and not layout.digit_codings:
             return
         self._before_conversion = Chunk(self.words, self.bits)
-        for coding in shape.digit_codings:
+        for coding in layout.digit_codings:
             self._convert_from_digits(coding)
-        if shape.gray is not None:
-            low, width = shape.gray
-            self._convert_from_gray(low, width, shape.excess)
+        if layout.gray is not None:
+            lowest_bit, width = layout.gray
+            self._convert_from_gray(lowest_bit, width, layout.excess)
         # These bytes were extracted before the conversion.
         self._cached_bytes.clear()
 
@@ -157,7 +157,7 @@ class Chunk:
         # Each valid code has a digit below the base. The base itself marks the invalid codes.
         digits_by_code = np.full(1 << coding.digit_bits, base, np.uint8)
         digits_by_code[list(coding.codes)] = np.arange(base, dtype=np.uint8)
-        codes = shift_right(self.words[0], coding.low) & bit_mask(coding.width)
+        codes = shift_right(self.words[0], coding.lowest_bit) & bit_mask(coding.width)
         number = np.zeros_like(codes)
         is_invalid = np.zeros(len(codes), bool)
         place_value = 1
@@ -168,15 +168,15 @@ class Chunk:
             number += digit.astype(np.uint64) * np.uint64(place_value)
             place_value *= base
         number[is_invalid] = bit_mask(coding.width)
-        changed_bits = shift_left(codes ^ number, coding.low)
+        changed_bits = shift_left(codes ^ number, coding.lowest_bit)
         self.words = [self.words[0] ^ changed_bits]
 
-    def _convert_from_gray(self, low: int, width: int, excess: int) -> None:
-        """Convert the ``width`` bits starting at bit ``low`` from Gray code to binary. The other bits do not change.
+    def _convert_from_gray(self, lowest_bit: int, width: int, excess: int) -> None:
+        """Convert the ``width`` bits from bit ``lowest_bit`` on from Gray code to binary. The other bits do not change.
 
         ``excess`` is the number that the encoder sends for position 0, and is subtracted from the binary number.
         """
-        mask = shift_left(bit_mask(width), low)
+        mask = shift_left(bit_mask(width), lowest_bit)
         gray = self.words[0] & mask
         # Bit n of the binary number is the XOR of the Gray bits from n up. Shifts by 1, 2, 4, ... combine them.
         binary = gray
@@ -185,25 +185,25 @@ class Chunk:
             binary = binary ^ (shift_right(binary, shift) & mask)
             shift *= 2
         if excess:
-            binary = (binary - np.uint64(excess << low)) & mask
+            binary = (binary - np.uint64(excess << lowest_bit)) & mask
         changed_bits = gray ^ binary
         self.words = [self.words[0] ^ changed_bits]
 
 
-def _is_in_one_byte(low: int, width: int) -> bool:
-    """Return whether the ``width`` bits that start at bit ``low`` are in the same byte of a frame."""
-    return low % 8 + width <= 8
+def _is_in_one_byte(lowest_bit: int, width: int) -> bool:
+    """Return whether the ``width`` bits that start at bit ``lowest_bit`` are in the same byte of a frame."""
+    return lowest_bit % 8 + width <= 8
 
 
-def split_into_words(rows: Any, shape: Shape) -> list[Any]:
+def split_into_words(rows: Any, layout: FrameLayout) -> list[Any]:
     """Return frames that are rows of bytes as arrays of 64-bit words. The first array has the lowest 64 bits.
 
     Each word is read as one number of eight bytes. If fewer bytes are left for the highest word, it is read together
     with bytes of the word below, which are then shifted out.
     """
-    contiguous_rows = np.ascontiguousarray(exchange_columns(rows, shape))
+    contiguous_rows = np.ascontiguousarray(exchange_columns(rows, layout))
     row_count, row_bytes = contiguous_rows.shape
-    is_little_endian = shape.order == "little"
+    is_little_endian = layout.order == "little"
     if row_bytes < _WORD_BYTES:
         return [_read_short_rows(contiguous_rows, is_little_endian)]
     words: list[Any] = []
@@ -220,12 +220,12 @@ def split_into_words(rows: Any, shape: Shape) -> list[Any]:
     return words
 
 
-def exchange_columns(rows: Any, shape: Shape) -> Any:
+def exchange_columns(rows: Any, layout: FrameLayout) -> Any:
     """Return frames that are rows of bytes with the bytes of each field with its own byte order in reverse order."""
-    if not shape.exchanged_bytes:
+    if not layout.exchanged_bytes:
         return rows
-    byte_indices = list(range(shape.length))
-    for start, stop in shape.exchanged_bytes:
+    byte_indices = list(range(layout.byte_count))
+    for start, stop in layout.exchanged_bytes:
         byte_indices[start:stop] = reversed(byte_indices[start:stop])
     return rows[:, byte_indices]
 
@@ -271,10 +271,10 @@ def _read_short_rows(rows: Any, is_little_endian: bool) -> Any:
 def take_checked_bits(chunk: Chunk, check: Check) -> Any:
     """Return the bits of each frame to which a check applies: one group of bits, or several that form a number."""
     if not check.joined:
-        return chunk.take(check.low, check.width)
+        return chunk.take(check.lowest_bit, check.width)
     numbers = np.zeros(len(chunk.words[0]), np.uint64)
-    for low, width in check.joined:
-        numbers = shift_left(numbers, width) | chunk.take(low, width)
+    for lowest_bit, width in check.joined:
+        numbers = shift_left(numbers, width) | chunk.take(lowest_bit, width)
     return numbers
 
 
@@ -299,7 +299,7 @@ def compute_parity(chunk: Chunk, check: Check) -> Any:
     """
     if not check.width:
         return np.zeros(len(chunk.words[0]), np.uint8)
-    covered_fields = [chunk.as_sent.take(low, width) for low, width in check.parity_of]
+    covered_fields = [chunk.as_sent.take(lowest_bit, width) for lowest_bit, width in check.parity_of]
     if len(covered_fields) == 1:
         covered_bits = covered_fields[0]
     else:
@@ -342,7 +342,7 @@ def find_crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
     if crc.is_xor:
         return _xor_all_bytes(chunk, crc.xorout)
     # For other CRCs, each byte of the frame contributes an entry of its table.
-    first_table, *other_tables = _make_crc_tables(crc.differs, chunk.bits)
+    first_table, *other_tables = _make_crc_tables(crc.find_difference, chunk.bits)
     difference = first_table[chunk.byte(0)]
     for byte_index, table in enumerate(other_tables, 1):
         difference ^= table[chunk.byte(byte_index)]

@@ -21,7 +21,7 @@ from .chunk import (
 )
 from .decode import CHUNK
 from .encode_columns import FirstError, list_names, read_arrays
-from .shape import Check, Column, DigitCoding, Join, Shape, find_width
+from .shape import Check, Column, DigitCoding, FrameLayout, Join, find_width
 from .table import Table
 
 #: Number of bits per character in a frame, and the number of the last Latin-1 character.
@@ -29,7 +29,7 @@ _CHARACTER_BITS: Final = 8
 _LAST_LATIN_1: Final = 0xFF
 
 
-def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
+def encode_many(columns: Mapping[str, Any] | Table, layout: FrameLayout) -> Any:
     """Return the frames with the field values in ``columns``, as rows of bytes or as 64-bit numbers.
 
     ``columns`` is a decoded table, or arrays by name. Raises RowError if a value does not fit its field.
@@ -39,31 +39,31 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
     if isinstance(columns, Table):
         other_names = columns.others
         columns = columns.columns
-    arrays = read_arrays(columns, shape, other_names)
+    arrays = read_arrays(columns, layout, other_names)
     # All arrays have the same length.
     count = max(map(len, arrays.values()), default=0)
-    frames = np.empty((count, shape.length), np.uint8) if shape.length else np.empty(count, np.uint64)
+    frames = np.empty((count, layout.byte_count), np.uint8) if layout.byte_count else np.empty(count, np.uint64)
     for start in range(0, count, CHUNK):
         rows = slice(start, start + CHUNK)
         first_error = FirstError()
         arrays_of_chunk = {name: array[rows] for name, array in arrays.items()}
-        words = _encode_rows(arrays_of_chunk, shape, first_error)
+        words = _encode_rows(arrays_of_chunk, layout, first_error)
         first_error.raise_first(start)
         # A frame of bits has at most 64 bits, which are one word.
-        frames[rows] = _convert_to_rows(words, shape) if shape.length else words[0]
+        frames[rows] = _convert_to_rows(words, layout) if layout.byte_count else words[0]
     return frames
 
 
-def _make_words_of_constants(shape: Shape, row_count: int) -> list[Any]:
+def _make_words_of_constants(layout: FrameLayout, row_count: int) -> list[Any]:
     """Return frames in which only the constant bits are set, as arrays of 64-bit words, the lowest word first."""
     words: list[Any] = []
-    for lowest_bit in range(0, shape.bits, 64):
-        constant_bits = (shape.fixed >> lowest_bit) & ((1 << 64) - 1)
+    for lowest_bit in range(0, layout.bit_count, 64):
+        constant_bits = (layout.fixed >> lowest_bit) & ((1 << 64) - 1)
         words.append(np.full(row_count, np.uint64(constant_bits)))
     return words
 
 
-def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> list[Any]:
+def _encode_rows(arrays: Mapping[str, Any], layout: FrameLayout, first_error: FirstError) -> list[Any]:
     """Return the encoded frames as arrays of 64-bit words, the lowest word first.
 
     Each array has one element per frame. ``arrays`` contains the values of each field by name. A value that does
@@ -71,31 +71,31 @@ def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstErro
     """
     first_array = next(iter(arrays.values()))
     row_count = len(first_array)
-    words = _make_words_of_constants(shape, row_count)
+    words = _make_words_of_constants(layout, row_count)
     if "fault" in arrays:
         faults = arrays["fault"]
         first_error.add(faults != 0, "fault", faults, allowed="0 (a frame with an error has no values)")
-    for column in shape.columns:
+    for column in layout.columns:
         has_values = all(name in arrays for name in list_names(column))
         if has_values:
             for piece in _encode_field(arrays, column, first_error):
-                _insert_bits(words, piece.low, piece.width, piece.bits)
-        elif column.kind == "not_flag":
+                _insert_bits(words, piece.lowest_bit, piece.width, piece.bits)
+        elif column.value_kind == "not_flag":
             # A missing flag is inactive. For an active-low flag, the bit is 1.
-            _insert_bits(words, column.low, column.width, np.ones(row_count, np.uint64))
-    for join in shape.joins:
+            _insert_bits(words, column.lowest_bit, column.width, np.ones(row_count, np.uint64))
+    for join in layout.joins:
         if join.name in arrays:
-            _insert_joined_number(words, arrays, shape, join, first_error)
-    _insert_unused_bits(words, arrays, shape, first_error)
-    _check_values(words, arrays, shape, first_error)
-    _convert_from_binary(words, shape)
-    _insert_parities_and_crc(words, shape)
+            _insert_joined_number(words, arrays, layout, join, first_error)
+    _insert_unused_bits(words, arrays, layout, first_error)
+    _check_values(words, arrays, layout, first_error)
+    _convert_from_binary(words, layout)
+    _insert_parities_and_crc(words, layout)
     return words
 
 
-def _insert_bits(words: list[Any], low: int, width: int, bits: Any) -> None:
-    """Insert ``width`` bits into each frame, starting at bit ``low``. These bits of ``words`` must still be 0."""
-    word_index, shift = divmod(low, 64)
+def _insert_bits(words: list[Any], lowest_bit: int, width: int, bits: Any) -> None:
+    """Insert ``width`` bits into each frame, from bit ``lowest_bit`` on. These bits of ``words`` must still be 0."""
+    word_index, shift = divmod(lowest_bit, 64)
     if width:
         words[word_index] |= shift_left(bits, shift)
     continues_in_next_word = shift + width > 64
@@ -106,7 +106,7 @@ def _insert_bits(words: list[Any], low: int, width: int, bits: Any) -> None:
 class _Piece(NamedTuple):
     """Piece of a field: its lowest bit in the frame, its width, and an array with the bits of each frame."""
 
-    low: int
+    lowest_bit: int
     width: int
     bits: Any
 
@@ -122,7 +122,7 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
     # Only a field of decimal digits has several columns, which ``_encode_digits`` takes from ``arrays``.
     first_name = list_names(column)[0]
     values = arrays[first_name]
-    match column.kind:
+    match column.value_kind:
         case "flag" | "not_flag":
             bits = _encode_flag(values, column, first_error)
         case "digits":
@@ -135,8 +135,8 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
         case "number" | "choice":
             bits = _encode_number(values, column, first_error)
         case _:
-            assert_never(column.kind)
-    yield _Piece(column.low, column.width, bits)
+            assert_never(column.value_kind)
+    yield _Piece(column.lowest_bit, column.width, bits)
 
 
 def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
@@ -149,7 +149,7 @@ def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
         first_error.add(is_active & (values != 1), column.name, values, allowed="True or False")
     if not column.width:
         first_error.add(is_active, column.name, values, allowed=NO_SUCH_FLAG)
-    is_active_high = column.kind == "flag"
+    is_active_high = column.value_kind == "flag"
     # The bit is 1 for an active flag that is active high, and for an inactive flag that is active low.
     is_bit_set = is_active == is_active_high
     return is_bit_set.astype(np.uint64)
@@ -161,9 +161,9 @@ def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: First
     Groups and numbers that are too large are recorded in ``first_error``.
     """
     # The groups 12 and 34 form the number 1234. The group 12 has the divisor 100 and, with two digits, the modulus 100.
-    first_name, *_ = column.runs[0]
+    first_name, *_ = column.digit_groups[0]
     number = np.zeros(len(arrays[first_name]), np.uint64)
-    for name, divisor, modulus in column.runs:
+    for name, divisor, modulus in column.digit_groups:
         digits = _check_unsigned(arrays[name], first_error, name, highest=modulus - 1)
         number += digits * np.uint64(divisor)
     if column.width < 64:
@@ -236,73 +236,75 @@ def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterat
     first_error.add(is_not_latin_1 | is_too_long, column.name, values, allowed=f"{length} Latin-1 characters")
     for index in range(length):
         following_characters = length - 1 - index
-        low = column.low + _CHARACTER_BITS * following_characters
-        yield _Piece(low, _CHARACTER_BITS, characters[:, index].astype(np.uint64))
+        lowest_bit = column.lowest_bit + _CHARACTER_BITS * following_characters
+        yield _Piece(lowest_bit, _CHARACTER_BITS, characters[:, index].astype(np.uint64))
 
 
 def _insert_joined_number(
-    words: list[Any], arrays: Mapping[str, Any], shape: Shape, join: Join, first_error: FirstError
+    words: list[Any], arrays: Mapping[str, Any], layout: FrameLayout, join: Join, first_error: FirstError
 ) -> None:
     """Insert a number that consists of several fields into the frames, such as a position of multiturn and singleturn.
 
     Fields whose values are also given separately are already in ``words``. If they differ from their bits in the joined
     number, the error is recorded in ``first_error``.
     """
-    width = find_width(shape, join)
+    width = find_width(layout, join)
     joined_numbers = _check_unsigned(arrays[join.name], first_error, join.name, highest=(1 << width) - 1)
-    by_name = {column.name: column for column in shape.columns}
-    for name, low_in_number in join.fields:
+    by_name = {column.name: column for column in layout.columns}
+    for name, lowest_bit_in_number in join.fields:
         column = by_name[name]
         if not column.width:
             continue
-        bits = shift_right(joined_numbers, low_in_number) & bit_mask(column.width)
+        bits = shift_right(joined_numbers, lowest_bit_in_number) & bit_mask(column.width)
         is_given_separately = all(field_name in arrays for field_name in list_names(column))
         if is_given_separately:
-            separate_bits = Chunk(words, shape.bits).take(column.low, column.width)
+            separate_bits = Chunk(words, layout.bit_count).take(column.lowest_bit, column.width)
             first_error.add(separate_bits != bits, join.name, arrays[join.name], allowed="equal to its fields")
         else:
-            _insert_bits(words, column.low, column.width, bits)
+            _insert_bits(words, column.lowest_bit, column.width, bits)
 
 
-def _insert_unused_bits(words: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
+def _insert_unused_bits(
+    words: list[Any], arrays: Mapping[str, Any], layout: FrameLayout, first_error: FirstError
+) -> None:
     """Insert the unused bits with the values given in the manual, inverted where a bit of the column ``unused`` is 1.
 
-    This column contains all unused bits of a frame side by side: ``place`` is a bit in the column, and ``low`` a bit in
-    the frame. Without this column, all unused bits have the values given in the manual. Other bits that are 1 in the
-    column are an error, which is recorded in ``first_error``.
+    This column contains all unused bits of a frame side by side: ``bit_in_column`` is a bit in the column, and
+    ``lowest_bit`` a bit in the frame. Without this column, all unused bits have the values given in the manual. Other
+    bits that are 1 in the column are an error, which is recorded in ``first_error``.
     """
     no_differences = np.zeros(len(words[0]), np.uint8)
     differences = arrays.get("unused", no_differences)
     differing_bits = differences.astype(np.uint64)
-    unused_mask = sum(((1 << unused.width) - 1) << unused.place for unused in shape.unused)
+    unused_mask = sum(((1 << unused.width) - 1) << unused.bit_in_column for unused in layout.unused)
     # NumPy requires that the mask fits into 64 bits.
     other_bits_mask = ~np.uint64(unused_mask & ((1 << 64) - 1))
     has_other_bits = (differing_bits & other_bits_mask) != 0
     first_error.add(has_other_bits, "unused", differences, allowed=f"within the mask {unused_mask:#x}")
-    for unused in shape.unused:
+    for unused in layout.unused:
         bits_in_manual = np.uint64(unused.value)
-        bits_to_send = shift_right(differing_bits, unused.place) ^ bits_in_manual
-        _insert_bits(words, unused.low, unused.width, bits_to_send & bit_mask(unused.width))
+        bits_to_send = shift_right(differing_bits, unused.bit_in_column) ^ bits_in_manual
+        _insert_bits(words, unused.lowest_bit, unused.width, bits_to_send & bit_mask(unused.width))
 
 
-def _check_values(words: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
+def _check_values(words: list[Any], arrays: Mapping[str, Any], layout: FrameLayout, first_error: FirstError) -> None:
     """In ``first_error``, record the first value that its field does not allow, or that exceeds the field's limits.
 
     ``words`` are the frames so far, and ``arrays`` the values of each field by name, for the error.
     """
     # The column of a check is the one that covers exactly the same bits of the frame.
-    columns_by_bits = {(column.low, column.width): column for column in shape.columns}
-    for check in shape.checks:
-        if check.joined and check.limit is not None:
-            joined_numbers = take_checked_bits(Chunk(words, shape.bits), check)
-            is_within = are_within_limits(joined_numbers, check, check.limit)
-            first_error.add(~is_within, shape.position, joined_numbers, allowed=f"at most {check.limit}")
+    columns_by_bits = {(column.lowest_bit, column.width): column for column in layout.columns}
+    for check in layout.checks:
+        if check.joined and check.highest is not None:
+            joined_numbers = take_checked_bits(Chunk(words, layout.bit_count), check)
+            is_within = are_within_limits(joined_numbers, check, check.highest)
+            first_error.add(~is_within, layout.position, joined_numbers, allowed=f"at most {check.highest}")
             continue
-        column = columns_by_bits.get((check.low, check.width))
+        column = columns_by_bits.get((check.lowest_bit, check.width))
         # No column covers constants, and parity bits are computed.
         if column is None or check.parity_of:
             continue
-        bits = Chunk(words, shape.bits).take(check.low, check.width)
+        bits = Chunk(words, layout.bit_count).take(check.lowest_bit, check.width)
         _check_column(bits, arrays, column, check, first_error)
 
 
@@ -311,80 +313,80 @@ def _check_column(bits: Any, arrays: Mapping[str, Any], column: Column, check: C
 
     ``bits`` are the bits of the column in each frame.
     """
-    if check.limit is None:
-        allowed_values = ", ".join(map(str, check.values))
+    if check.highest is None:
+        allowed_values = ", ".join(map(str, check.allowed_values))
         # A value that needs more bits than the field never occurs in it.
-        possible_values = [value for value in check.values if 0 <= value < (1 << check.width)]
+        possible_values = [value for value in check.allowed_values if 0 <= value < (1 << check.width)]
         is_not_allowed = ~np.isin(bits, possible_values)
         values = arrays.get(column.name, bits)
         first_error.add(is_not_allowed, column.name, values, allowed=f"one of {allowed_values}")
         return
-    is_outside = ~are_within_limits(bits, check, check.limit)
-    if column.kind == "signed":
-        first_error.add(is_outside, column.name, arrays[column.name], allowed=f"{check.lowest} to {check.limit}")
+    is_outside = ~are_within_limits(bits, check, check.highest)
+    if column.value_kind == "signed":
+        first_error.add(is_outside, column.name, arrays[column.name], allowed=f"{check.lowest} to {check.highest}")
     else:
-        first_error.add(is_outside, column.name, bits, allowed=f"at most {check.limit}")
+        first_error.add(is_outside, column.name, bits, allowed=f"at most {check.highest}")
 
 
-def _convert_from_binary(words: list[Any], shape: Shape) -> None:
+def _convert_from_binary(words: list[Any], layout: FrameLayout) -> None:
     """Convert binary numbers to separate digits and to Gray code, where the encoder sends these. Changes ``words``.
 
     Frames with such numbers have a single word.
     """
-    for coding in shape.digit_codings:
+    for coding in layout.digit_codings:
         _convert_to_digits(words, coding)
-    if shape.gray is not None:
-        low, width = shape.gray
-        _convert_to_gray(words, low, width, shape.excess)
+    if layout.gray is not None:
+        lowest_bit, width = layout.gray
+        _convert_to_gray(words, lowest_bit, width, layout.excess)
 
 
-def _insert_parities_and_crc(words: list[Any], shape: Shape) -> None:
+def _insert_parities_and_crc(words: list[Any], layout: FrameLayout) -> None:
     """Insert the parity bits, then the CRC, which also covers the parity bits. Both cover the bits as they are sent."""
-    chunk = Chunk(words, shape.bits)
-    for check in shape.parities:
+    chunk = Chunk(words, layout.bit_count)
+    for check in layout.parities:
         parity_bits = compute_parity(chunk, check).astype(np.uint64)
-        _insert_bits(words, check.low, check.width, parity_bits)
-    if shape.crc is not None:
+        _insert_bits(words, check.lowest_bit, check.width, parity_bits)
+    if layout.crc is not None:
         # A new chunk, because the first one can have cached bytes from before the parity bits.
-        chunk_with_parities = Chunk(words, shape.bits)
-        crc_bits = compute_crc(chunk_with_parities, shape.crc).astype(np.uint64)
-        _insert_bits(words, shape.crc.low, shape.crc.width, crc_bits)
+        chunk_with_parities = Chunk(words, layout.bit_count)
+        crc_bits = compute_crc(chunk_with_parities, layout.crc).astype(np.uint64)
+        _insert_bits(words, layout.crc.lowest_bit, layout.crc.width, crc_bits)
 
 
 def _convert_to_digits(words: list[Any], coding: DigitCoding) -> None:
     """Replace a binary number in each frame with the codes of its digits, such as BCD. Changes the first word."""
     base = np.uint64(len(coding.codes))
     codes = np.array(coding.codes, np.uint64)
-    number = shift_right(words[0], coding.low) & bit_mask(coding.width)
+    number = shift_right(words[0], coding.lowest_bit) & bit_mask(coding.width)
     # Clear the bits of the number, which the codes replace.
-    words[0] ^= shift_left(number, coding.low)
+    words[0] ^= shift_left(number, coding.lowest_bit)
     # Take the digits of the number one by one, the lowest digit first.
     for code_shift in range(0, coding.width, coding.digit_bits):
         lowest_digit = (number % base).astype(np.intp)
         # The highest digit can have fewer bits than its code.
         code_within_field = codes[lowest_digit] & bit_mask(coding.width - code_shift)
-        words[0] |= shift_left(code_within_field, coding.low + code_shift)
+        words[0] |= shift_left(code_within_field, coding.lowest_bit + code_shift)
         number = number // base
 
 
-def _convert_to_gray(words: list[Any], low: int, width: int, excess: int) -> None:
-    """Convert the ``width`` bits starting at bit ``low`` from binary to Gray code. Changes the first word.
+def _convert_to_gray(words: list[Any], lowest_bit: int, width: int, excess: int) -> None:
+    """Convert the ``width`` bits starting at bit ``lowest_bit`` from binary to Gray code. Changes the first word.
 
     ``excess`` is the number that the encoder sends for position 0, and is added to the binary number first.
     """
     if excess:
         # The sum of a position and the excess always fits into the bits.
-        words[0] += np.uint64(excess << low)
-    binary = shift_right(words[0], low) & bit_mask(width)
+        words[0] += np.uint64(excess << lowest_bit)
+    binary = shift_right(words[0], lowest_bit) & bit_mask(width)
     # The Gray code of n is n ^ n >> 1.
-    words[0] ^= shift_left(shift_right(binary, 1), low)
+    words[0] ^= shift_left(shift_right(binary, 1), lowest_bit)
 
 
-def _convert_to_rows(words: list[Any], shape: Shape) -> Any:
+def _convert_to_rows(words: list[Any], layout: FrameLayout) -> Any:
     """Return the bytes of each frame as a row, in the order in which they are sent."""
     # The bytes of each word, the lowest byte first, as one row for each frame.
     bytes_by_word = [word.astype("<u8").view(np.uint8).reshape(-1, 8) for word in words]
     rows = np.stack(bytes_by_word, axis=1).reshape(len(words[0]), -1)
     # The highest word can have more bytes than the frame.
-    rows = rows[:, : shape.length]
-    return exchange_columns(rows if shape.order == "little" else rows[:, ::-1], shape)
+    rows = rows[:, : layout.byte_count]
+    return exchange_columns(rows if layout.order == "little" else rows[:, ::-1], layout)

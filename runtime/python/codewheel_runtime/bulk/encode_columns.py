@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from ..errors import RangeError
 from .chunk import np
-from .shape import Column, Shape, find_scales
+from .shape import Column, FrameLayout, find_scales
 
 #: Allowed ``dtype.kind`` of the NumPy array for a field, if it allows more than integers. Bools are not numbers.
 ARRAY_KINDS: Final[Mapping[str, str]] = {"text": "SU", "flag": "uib", "not_flag": "uib"}
@@ -56,7 +56,7 @@ class FirstError:
             raise RowError(start + self.row, *self._error)
 
 
-def read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
+def read_arrays(columns: Mapping[str, Any], layout: FrameLayout, other_names: Iterable[str]) -> dict[str, Any]:
     """Return the available columns of the frame as arrays of equal length. A single value applies to all rows.
 
     ``other_names`` are the names of columns that do not belong to the frame and are ignored.
@@ -68,16 +68,16 @@ def read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[
     if not hasattr(columns, "keys"):
         raise TypeError(f"columns must be a mapping of names to arrays, got {type(columns).__name__}")
     fields: dict[str, Column] = {}
-    for column in shape.columns:
+    for column in layout.columns:
         fields |= dict.fromkeys(list_names(column), column)
-    _check_names([*columns], fields, shape, other_names)
-    joined_names = [join.name for join in shape.joins]
+    _check_names([*columns], fields, layout, other_names)
+    joined_names = [join.name for join in layout.joins]
     names_present = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
     arrays = {name: _make_array(name, columns[name]) for name in names_present}
     # Single values become arrays without dimensions. If there are only single values, there is one row.
     row_count = max((array.size for array in arrays.values() if array.ndim), default=1)
     for name, array in arrays.items():
-        field_kind = fields[name].kind if name in fields else "number"
+        field_kind = fields[name].value_kind if name in fields else "number"
         _check_array(name, array, columns[name], field_kind, row_count)
     return {name: np.broadcast_to(array, (row_count,)) for name, array in arrays.items()}
 
@@ -133,7 +133,7 @@ def _has_bool(cells: Any) -> bool:
 
 
 def _check_names(
-    columns: Collection[str], fields: Mapping[str, Column], shape: Shape, other_names: Iterable[str]
+    columns: Collection[str], fields: Mapping[str, Column], layout: FrameLayout, other_names: Iterable[str]
 ) -> None:
     """Raise TypeError if a column is missing or unknown.
 
@@ -142,14 +142,14 @@ def _check_names(
     """
     optional = {"unused"}
     for name, column in fields.items():
-        if column.kind.endswith("flag") or not column.width:
+        if column.value_kind.endswith("flag") or not column.width:
             optional.add(name)
-    for join in shape.joins:
+    for join in layout.joins:
         if join.name in columns:
             optional.update(name for name, _ in join.fields)
     missing_names = sorted(fields.keys() - {*columns} - optional)
-    joined_names = {join.name for join in shape.joins}
-    ignored_names = {*other_names, *find_scales(shape), "unused", "fault", "verdict"}
+    joined_names = {join.name for join in layout.joins}
+    ignored_names = {*other_names, *find_scales(layout), "unused", "fault", "verdict"}
     unknown_names = sorted(map(str, {*columns} - ignored_names - fields.keys() - joined_names))
     known_names = ", ".join([*fields, *sorted(joined_names)])
     if unknown_names:
@@ -160,4 +160,4 @@ def _check_names(
 
 def list_names(column: Column) -> tuple[str, ...]:
     """Return the names of a field's columns: one for each group of its decimal digits, or just the field."""
-    return tuple(name for name, _, _ in column.runs) or (column.name,)
+    return tuple(name for name, _, _ in column.digit_groups) or (column.name,)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Final, NamedTuple
 
-from .shape import Check, Shape, holds
+from .shape import Check, FrameLayout, holds
 
 
 class QuickChecks(NamedTuple):
@@ -29,14 +29,14 @@ class _FixedBits:
         self.mask = 0
         self.values = 0
 
-    def require(self, low: int, mask: int, values: int) -> None:
-        """Require that the bits in ``mask`` have these values. Bit 0 of both is bit ``low`` of the frame."""
-        self.mask |= mask << low
-        self.values |= (values & mask) << low
+    def require(self, lowest_bit: int, mask: int, values: int) -> None:
+        """Require that the bits in ``mask`` have these values. Bit 0 of both is bit ``lowest_bit`` of the frame."""
+        self.mask |= mask << lowest_bit
+        self.values |= (values & mask) << lowest_bit
 
 
 @lru_cache(maxsize=256)
-def find_quick_checks(shape: Shape) -> QuickChecks:
+def find_quick_checks(layout: FrameLayout) -> QuickChecks:
     """Return the checks of a frame in the form that is fastest for many frames.
 
     Checks are combined into a single comparison of all constant bits, and lists of allowed values for single bytes. If
@@ -45,24 +45,24 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
     fixed_bits = _FixedBits()
     remaining: list[Check] = []
     checks_by_byte: dict[int, list[Check]] = {}
-    for check in shape.checks:
+    for check in layout.checks:
         # The value of a field without bits is 0.
         has_no_bits = not check.width and not check.parity_of
         if has_no_bits and holds(0, check):
             continue
-        covers_unconverted_bits = bool(check.parity_of) and (shape.gray is not None or bool(shape.digit_codings))
+        covers_unconverted_bits = bool(check.parity_of) and (layout.gray is not None or bool(layout.digit_codings))
         byte_indices = _find_bytes_of(check)
-        possible_values = [value for value in check.values if not (value >> check.width)]
+        possible_values = [value for value in check.allowed_values if not (value >> check.width)]
         if covers_unconverted_bits:
             remaining.append(check)
         elif len(byte_indices) == 1:
             checks_by_byte.setdefault(byte_indices.pop(), []).append(check)
         elif len(possible_values) == 1:
-            fixed_bits.require(check.low, mask=(1 << check.width) - 1, values=possible_values[0])
+            fixed_bits.require(check.lowest_bit, mask=(1 << check.width) - 1, values=possible_values[0])
         else:
             remaining.append(check)
     allowed_by_byte = _combine_checks_of_bytes(checks_by_byte, fixed_bits, remaining)
-    fixed = _split_into_words(fixed_bits.mask, fixed_bits.values, bit_count=shape.bits)
+    fixed = _split_into_words(fixed_bits.mask, fixed_bits.values, bit_count=layout.bit_count)
     return QuickChecks(fixed=fixed, bytes=allowed_by_byte, remaining=tuple(remaining))
 
 
@@ -123,8 +123,8 @@ def _find_bytes_of(check: Check) -> set[int]:
     """Return the indices of the first and last bytes of the checked bits and of each field that a parity bit covers."""
     byte_indices: set[int] = set()
     # A field without bits counts as one bit.
-    for low, width in (*(check.joined or ((check.low, check.width),)), *check.parity_of):
-        byte_indices |= {low // 8, (low + max(width, 1) - 1) // 8}
+    for lowest_bit, width in (*(check.joined or ((check.lowest_bit, check.width),)), *check.parity_of):
+        byte_indices |= {lowest_bit // 8, (lowest_bit + max(width, 1) - 1) // 8}
     return byte_indices
 
 

@@ -23,7 +23,7 @@ from .conversion import (
 )
 from .motion import compute_speeds, find_motion, list_times, unwrap_positions
 from .shape import ReportCause, find_active
-from .table_base import ColumnName, FrameSource, PositionUnit, TableOf
+from .table_base import ColumnName, FrameSequence, FrameSource, PositionUnit, TableOf
 from .units import POSITION_UNITS, AngleUnit, LengthUnit, SpeedUnit, Unit, find_unit_size
 
 __all__ = ["AngleUnit", "FrameSource", "LengthUnit", "SpeedUnit", "Table", "Unit"]
@@ -34,7 +34,7 @@ _ROWS_AT_ONCE: Final = 1 << 14
 _NO_COLUMNS: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
-class Table(TableOf[ColumnName, PositionUnit]):
+class Table(TableOf[ColumnName, PositionUnit], FrameSequence):
     """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
@@ -50,7 +50,8 @@ class Table(TableOf[ColumnName, PositionUnit]):
 
     A table is a sequence of frames: ``len(table)`` is their number, ``table[10:20]`` a table of ten frames, and
     ``table[7]`` a dictionary with the values of one frame. Iteration yields such a dictionary for each frame.
-    ``table["singleturn"]`` is a column, and ``columns`` contains all of them.
+    ``table["singleturn"]`` is a column, and ``columns`` contains all of them. ``table[7] in table`` looks for a frame
+    with the same values, and ``"singleturn" in table`` for a column.
     """
 
     def __init__(
@@ -258,8 +259,8 @@ class Table(TableOf[ColumnName, PositionUnit]):
             number_name, scale = self._scales[name]
             self._columns[name] = convert_to_quantities(self._find_column(number_name), scale)
         if name in self._parts and name not in self._columns:
-            joined_name, low, width = self._parts[name]
-            self._columns[name] = (self._columns[joined_name] >> low) & ((1 << width) - 1)
+            joined_name, lowest_bit, width = self._parts[name]
+            self._columns[name] = (self._columns[joined_name] >> lowest_bit) & ((1 << width) - 1)
         if name not in self._columns:
             raise KeyError(make_unknown_column_message(name, self.names))
         return self._columns[name]
@@ -268,12 +269,8 @@ class Table(TableOf[ColumnName, PositionUnit]):
         """Return the scale of a column of quantities, or None for other columns."""
         return self._scales[name][1] if name in self._scales else None
 
-    def __contains__(self, name: object) -> bool:
-        """Return whether the table has a column of this name."""
-        return name in self._names
-
-    def __iter__(self) -> Iterator[dict[str, Any]]:
-        return self.rows()
+    def __reversed__(self) -> Iterator[dict[str, Any]]:
+        return self[::-1].rows()
 
     def __len__(self) -> int:
         return self.count

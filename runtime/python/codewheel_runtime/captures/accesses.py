@@ -72,11 +72,11 @@ class Access(NamedTuple):
 class AccessFinder:
     """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave.
 
-    ``_state`` is the method that follows the next cycle. ``_begin_time`` is the time at which the control frame began,
-    and ``_is_write`` is True if it writes. ``_is_outside_frame`` is True outside a control frame. ``_zeros`` is the
-    number of CDM zeros since the last 1. ``_sent_bits`` and ``_answer_bits`` are the CDM and CDS bits of the header or
-    byte, the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head_bits`` contains CTS,
-    ID and address.
+    ``_follow_next_cycle`` is the method that follows the next cycle. ``_begin_time`` is the time at which the control
+    frame began, and ``_is_write`` is True if it writes. ``_is_outside_frame`` is True outside a control frame.
+    ``_zeros`` is the number of CDM zeros since the last 1. ``_sent_bits`` and ``_answer_bits`` are the CDM and CDS bits
+    of the header or byte, the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head_bits``
+    contains CTS, ID and address.
     """
 
     def __init__(self) -> None:
@@ -84,7 +84,7 @@ class AccessFinder:
         self._bit_count = 0
         self._sent_bits = 0
         self._answer_bits = 0
-        self._state = self._skip_cycle
+        self._follow_next_cycle = self._skip_cycle
         self._begin_time = 0.0
         self._head_bits = 0
         self._is_write, self._is_outside_frame = False, True
@@ -96,19 +96,19 @@ class AccessFinder:
         them.
         """
         times, cds, cdm = bits
-        ones = np.flatnonzero(cdm)
+        cycles_with_one = np.flatnonzero(cdm)
         cycle = 0
-        count = len(cdm)
-        while cycle < count:
+        cycle_count = len(cdm)
+        while cycle < cycle_count:
             if not self._is_outside_frame:
                 yield from self._follow_cycle(int(cds[cycle]), int(cdm[cycle]))
                 cycle += 1
                 continue
-            index_in_ones = np.searchsorted(ones, cycle)
-            if index_in_ones == len(ones):
-                self._zeros += count - cycle
+            index_in_cycles = np.searchsorted(cycles_with_one, cycle)
+            if index_in_cycles == len(cycles_with_one):
+                self._zeros += cycle_count - cycle
                 return
-            next_one = int(ones[index_in_ones])
+            next_one = int(cycles_with_one[index_in_cycles])
             self._zeros += next_one - cycle
             # A 1 after enough zeros is the S bit of a control frame.
             if self._zeros >= ZEROS:
@@ -135,12 +135,12 @@ class AccessFinder:
         self._head_bits = 0
         # A header that ends before R and W counts as the header of a read.
         self._is_write = False
-        self._state = self._follow_header
+        self._follow_next_cycle = self._follow_header
 
     def _end_access(self) -> None:
         """Stop following the control frame."""
         self._is_outside_frame = True
-        self._state = self._skip_cycle
+        self._follow_next_cycle = self._skip_cycle
 
     def _follow_cycle(self, cds: int, cdm: int) -> Iterator[Access]:
         """Track the bits of one cycle within a control frame. Yield the access if it ends.
@@ -158,16 +158,16 @@ class AccessFinder:
                 yield self._make_access(None, Outcome.ABORTED.value)
             self._end_access()
         else:
-            yield from self._state(cds, cdm)
+            yield from self._follow_next_cycle(cds, cdm)
 
     def _has_unfinished_access(self) -> bool:
         """Return whether the address of an access has been transmitted, but its result is not known yet.
 
         After the last bit of a byte, the access has been yielded, and the access to the next register has not begun.
         """
-        if self._state == self._follow_byte:
+        if self._follow_next_cycle == self._follow_byte:
             return self._bit_count < BYTE_BITS
-        return self._state != self._follow_header or self._bit_count >= HEAD_AND_CRC_BITS
+        return self._follow_next_cycle != self._follow_header or self._bit_count >= HEAD_AND_CRC_BITS
 
     def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
         """Return the access to the transmitted ID and address, with this value and result."""
@@ -224,7 +224,7 @@ class AccessFinder:
         if is_refused or not cdm:
             self._end_access()
         else:
-            self._state = self._follow_start
+            self._follow_next_cycle = self._follow_start
 
     def _check_echo(self) -> Outcome:
         """Return the outcome that the answers to the header show. It is RUNNING if the slave accepts the access."""
@@ -240,7 +240,7 @@ class AccessFinder:
         """
         if cds:
             # This CDM bit is the first one of the byte.
-            self._state = self._follow_byte
+            self._follow_next_cycle = self._follow_byte
             self._bit_count = 0
             self._sent_bits = cdm
             self._answer_bits = 0
@@ -281,7 +281,7 @@ class AccessFinder:
             return
         # The address is in the lowest bits of the head.
         self._head_bits += 1
-        self._state = self._follow_start
+        self._follow_next_cycle = self._follow_start
 
     def _judge_byte(self, value: int | None) -> Outcome:
         """Return the outcome of an access whose byte was transmitted. ``value`` is None if the byte has a CRC error.

@@ -54,15 +54,15 @@ _EDGES_FOR_PERIOD: Final = 64
 
 
 def find_clocked_frames(
-    signals: Signals, name: str, kind: Literal["biss", "ssi"], bits: int, pause: float | None = None
+    signals: Signals, file_name: str, kind: Literal["biss", "ssi"], frame_bits: int, pause: float | None = None
 ) -> Generator[CapturedFrames, None, None]:
-    """Yield the frames of ``bits`` bits.
+    """Yield the frames of ``frame_bits`` bits.
 
     Args:
         signals: The clock and the data line.
-        name: Name of the file, for errors.
+        file_name: Name of the file, for errors.
         kind: Interface of the encoder.
-        bits: Number of bits in a frame.
+        frame_bits: Number of bits in a frame.
         pause: Shortest pause between two cycles in seconds, or in samples if the sample rate is unknown. By default,
             1.4 periods of the clock.
 
@@ -74,19 +74,19 @@ def find_clocked_frames(
     # Inside the finder, times are in the unit of the edges: ``time_unit`` seconds, or samples.
     finder = _CycleFinder(
         kind=kind,
-        frame_bits=bits,
+        frame_bits=frame_bits,
         pause=pause / time_unit if pause else None,
         # An edge between two samples is seen at the second one, half a sample late on average.
         edge_delay=0.5 if signals.is_sampled else 0.0,
         time_unit=time_unit,
     )
     for part in signals.edges:
-        stretch = finder.feed(part, name)
+        stretch = finder.feed(part, file_name)
         # Without a complete cycle, there is no stretch yet.
         if stretch is not None:
             yield stretch
     if not finder.is_clocked:
-        raise InputError(name, "the clock never changes: choose another channel with --clock")
+        raise InputError(file_name, "the clock never changes: choose another channel with --clock")
     yield finder.finish()
 
 
@@ -114,7 +114,7 @@ class _CycleFinder:
         #: True once the clock has an edge, and True until the first stretch of the capture has arrived.
         self.is_clocked, self._is_empty = False, True
 
-    def feed(self, part: Edges, name: str) -> CapturedFrames | None:
+    def feed(self, part: Edges, file_name: str) -> CapturedFrames | None:
         """Return the frames that are completed by the next stretch of the capture.
 
         Return None if it completes no cycle, or while the clock has too few edges to determine its period. Raises
@@ -126,16 +126,16 @@ class _CycleFinder:
             if edge_count < _EDGES_FOR_PERIOD:
                 return None
             self._set_pause()
-        ends = self._find_cycle_ends()
-        if len(ends):
+        cycle_ends = self._find_cycle_ends()
+        if len(cycle_ends):
             # The last cycle may continue, or its data may still arrive. It is then left for the next stretch.
             time_since_last_edge = self._capture_end - self._clock_edges[-1]
             is_last_open = time_since_last_edge < LONGEST_DELAY * self._pause
-            complete_ends = ends[:-1] if is_last_open else ends
-            if len(complete_ends):
-                return self._take_cycles(complete_ends)
+            complete_cycle_ends = cycle_ends[:-1] if is_last_open else cycle_ends
+            if len(complete_cycle_ends):
+                return self._take_cycles(complete_cycle_ends)
         if edge_count > _EDGES_WITHOUT_PAUSE:
-            raise InputError(name, "the clock never rests: choose another channel with --clock")
+            raise InputError(file_name, "the clock never rests: choose another channel with --clock")
         return None
 
     def _append_edges(self, part: Edges) -> None:
@@ -184,16 +184,16 @@ class _CycleFinder:
         edges_before_pause = np.flatnonzero(np.diff(self._clock_edges) > self._pause)
         return np.append(edges_before_pause + 1, edge_count)
 
-    def _take_cycles(self, ends: Any, is_last: bool = False) -> CapturedFrames:
-        """Return the frames in the cycles that end before the edges ``ends``, and forget the edges of these cycles.
+    def _take_cycles(self, cycle_ends: Any, is_last: bool = False) -> CapturedFrames:
+        """Return the frames in the cycles that end before the edges ``cycle_ends``, and forget the edges of the cycles.
 
-        ``ends`` are indices of clock edges. ``is_last`` is True at the end of the capture.
+        ``cycle_ends`` are indices of clock edges. ``is_last`` is True at the end of the capture.
         """
-        if not len(ends):
+        if not len(cycle_ends):
             return self._make_empty_result()
-        starts = np.concatenate([[0], ends[:-1]])
-        frames = self._find_frames(starts, ends, is_last)
-        clock_end = int(ends[-1])
+        cycle_starts = np.concatenate([[0], cycle_ends[:-1]])
+        frames = self._find_frames(cycle_starts, cycle_ends, is_last)
+        clock_end = int(cycle_ends[-1])
         data_end = self._find_data_end(clock_end, is_last)
         # An odd number of forgotten edges inverts the level before the remaining ones.
         clock_level, data_level = self._levels_before
@@ -226,25 +226,25 @@ class _CycleFinder:
         clock_level, data_level = self._levels_before
         lines = LineEdges(self._clock_edges, self._data_edges, clock_level, data_level)
         cycles = find_cycles(lines, starts, ends, self._pause)
-        if not len(cycles.first_falls):
+        if not len(cycles.first_falling_edges):
             return self._make_empty_result()
         find_bits = find_biss_bits if self._is_biss else find_ssi_bits
-        bits = find_bits(lines, cycles, self._frame_bits)
+        cycle_bits = find_bits(lines, cycles, self._frame_bits)
         # A glitch on the clock takes precedence over other reasons.
         has_glitch = find_shortest_gaps(self._clock_edges, cycles) < _GLITCH_FRACTION * cycles.periods
-        bits.reasons[has_glitch] = CLOCK_GLITCH
+        cycle_bits.reasons[has_glitch] = CLOCK_GLITCH
         # A cycle without a reason for its loss has a complete frame.
-        complete_indices = np.flatnonzero(bits.reasons == 0)
+        complete_indices = np.flatnonzero(cycle_bits.reasons == 0)
         # Over BiSS, the CDS bit comes before the frame.
         bits_before_frame = 1 if self._is_biss else 0
         bits_to_read = bits_before_frame + self._frame_bits
-        levels = self._read_levels(cycles, bits, complete_indices, bits_to_read)
+        levels = self._read_levels(cycles, cycle_bits, complete_indices, bits_to_read)
         return CapturedFrames(
             frames=_join_bits(levels[:, bits_before_frame:]),
             times=cycles.begin_times[complete_indices] * self._time_unit,
-            lost=self._list_lost_cycles(cycles, bits, is_last),
+            lost=self._list_lost_cycles(cycles, cycle_bits, is_last),
             amount_read=self._amount_read,
-            control=self._find_control_bits(cycles, complete_indices, levels) if self._is_biss else None,
+            control_bits=self._find_control_bits(cycles, complete_indices, levels) if self._is_biss else None,
         )
 
     def _make_empty_result(self) -> CapturedFrames:
@@ -258,7 +258,7 @@ class _CycleFinder:
         CDS bit first.
         """
         # A lost cycle has -1 instead of its CDS bit.
-        cds = np.full(len(cycles.first_falls), -1, np.int64)
+        cds = np.full(len(cycles.first_falling_edges), -1, np.int64)
         cds[complete_indices] = levels[:, 0]
         # Level of the clock during the timeout, after the last edge. An odd number of edges inverts the first level.
         clock_level_before, _ = self._levels_before
@@ -266,7 +266,7 @@ class _CycleFinder:
         # CDM is the inverse of this level.
         return ControlBits(times=cycles.begin_times * self._time_unit, cds=cds, cdm=timeout_levels ^ 1)
 
-    def _list_lost_cycles(self, cycles: Cycles, bits: CycleBits, is_last: bool) -> list[Lost]:
+    def _list_lost_cycles(self, cycles: Cycles, cycle_bits: CycleBits, is_last: bool) -> list[Lost]:
         """Return the cycles without a frame, with their reasons.
 
         ``is_last`` is True at the end of the capture, which may cut off the last cycle.
@@ -274,37 +274,38 @@ class _CycleFinder:
         lost_cycles: list[Lost] = []
         # If no pause precedes the first cycle, the capture may have begun within it.
         may_first_be_cut = bool(cycles.begin_times[0] - self._capture_begin < self._pause)
-        for index in np.flatnonzero(bits.reasons):
+        for index in np.flatnonzero(cycle_bits.reasons):
             may_be_cut = may_first_be_cut and index == 0
-            reason_number = int(bits.reasons[index])
-            reason = self._explain_loss(reason_number, int(bits.sent_counts[index]), may_be_cut)
+            reason_number = int(cycle_bits.reasons[index])
+            reason = self._explain_loss(reason_number, int(cycle_bits.sent_counts[index]), may_be_cut)
             begin_time = float(cycles.begin_times[index]) * self._time_unit
             lost_cycles.append(Lost(begin_time, reason))
         # If no pause follows the last cycle, the capture may have ended within it. This takes precedence.
-        is_last_cycle_lost = bool(bits.reasons[-1])
+        is_last_cycle_lost = bool(cycle_bits.reasons[-1])
         has_pause_at_end = self._capture_end - cycles.last_edge_times[-1] >= self._pause
         if is_last and is_last_cycle_lost and not has_pause_at_end:
             lost_cycles[-1] = lost_cycles[-1]._replace(reason=_MESSAGES[CUT_AT_END])
         return lost_cycles
 
-    def _read_levels(self, cycles: Cycles, bits: CycleBits, complete_indices: Any, count: int) -> Any:
+    def _read_levels(self, cycles: Cycles, cycle_bits: CycleBits, complete_indices: Any, bits_to_read: int) -> Any:
         """Return the level of the data line in the middle of each bit, with a row for each complete cycle.
 
-        ``complete_indices`` are the indices of the cycles with a frame, and ``count`` is the number of bits to read.
+        ``complete_indices`` are the indices of the cycles with a frame, and ``bits_to_read`` is the number of bits to
+        read.
         """
         # The results have a row for each cycle and a column for each bit. With ``[:, None]``, the values of the cycles
         # become a column, which NumPy repeats for each bit.
         complete_cycles = Cycles(*(values[complete_indices][:, None] for values in cycles))
-        rise_numbers = bits.first_rises[complete_indices][:, None] + np.arange(count)[None, :]
+        rise_numbers = cycle_bits.first_rise_numbers[complete_indices][:, None] + np.arange(bits_to_read)[None, :]
         # If there are fewer rising edges than bits, the period of the clock continues after the last one.
-        last_rises = complete_cycles.rise_counts - 1
-        missing_rises = np.maximum(rise_numbers - last_rises, 0)
-        edge_indices = find_rising_edges(complete_cycles, np.minimum(rise_numbers, last_rises))
+        last_rise_numbers = complete_cycles.rise_counts - 1
+        missing_rises = np.maximum(rise_numbers - last_rise_numbers, 0)
+        edge_indices = find_rising_edges(complete_cycles, np.minimum(rise_numbers, last_rise_numbers))
         rising_edges = self._clock_edges[edge_indices] + missing_rises * complete_cycles.periods
         periods = cycles.periods[complete_indices]
         # A change of the data line is seen late, so the middle of the bit is earlier by this delay.
         half_bits = periods / 2 - self._edge_delay
-        timing = BitTiming(rising_edges, delay=bits.delays[complete_indices], half_bit=half_bits)
+        timing = BitTiming(rising_edges, delay=cycle_bits.delays[complete_indices], half_bit=half_bits)
         is_sampled = self._edge_delay > 0
         if is_sampled and len(periods) and periods.min() < _FEW_SAMPLES_PER_PERIOD:
             timing = refine_timing(timing, has_edge=missing_rises == 0, data_edges=self._data_edges)

@@ -42,7 +42,7 @@ class Cycles(NamedTuple):
     """Cycles of the clock.
 
     Attributes:
-        first_falls: Index of the first falling edge.
+        first_falling_edges: Index of the first falling edge.
         ends: Index after the last edge.
         rise_counts: Number of rising edges.
         begin_times: Time of the first falling edge.
@@ -51,7 +51,7 @@ class Cycles(NamedTuple):
         periods: Period of the clock.
     """
 
-    first_falls: Any
+    first_falling_edges: Any
     ends: Any
     rise_counts: Any
     begin_times: Any
@@ -65,13 +65,13 @@ class CycleBits(NamedTuple):
 
     Attributes:
         reasons: Reason why the cycle has no frame, such as ``TOO_FEW_BITS``, or 0.
-        first_rises: Number of the rising edge that shifts out the first bit.
+        first_rise_numbers: Number of the rising edge that shifts out the first bit.
         delays: Delay of the data line after the rising edge that shifts out a bit.
         sent_counts: Number of bits that were sent, for the message about a cycle that is too short.
     """
 
     reasons: Any
-    first_rises: Any
+    first_rise_numbers: Any
     delays: Any
     sent_counts: Any
 
@@ -83,7 +83,7 @@ class _StartBits(NamedTuple):
         levels_before: Level of the data line before the cycle.
         acknowledgement_times: Time at which the data line goes low. Infinity if it stays high.
         arrival_times: Time at which the data line rises with the start bit. Infinity if it stays low.
-        last_rises: Number of the last rising edge of the clock before the start bit arrives. -1 if there is none.
+        last_rise_numbers: Number of the last rising edge of the clock before the start bit arrives. -1 without one.
         delays: Delay of the start bit after this edge.
         late_periods: Number of whole periods by which the acknowledgement, and therefore the data line, is late.
     """
@@ -91,7 +91,7 @@ class _StartBits(NamedTuple):
     levels_before: Any
     acknowledgement_times: Any
     arrival_times: Any
-    last_rises: Any
+    last_rise_numbers: Any
     delays: Any
     late_periods: Any
 
@@ -106,23 +106,27 @@ def find_cycles(lines: LineEdges, starts: Any, ends: Any, pause: float) -> Cycle
     # The level before edge n is the first level, inverted if n is odd. If it is low, the next edge rises, and the first
     # falling edge is the one after it. True counts as 1.
     is_low_before = (starts & 1) == lines.clock_level
-    first_falls = starts + is_low_before
+    first_falling_edges = starts + is_low_before
     # Time of the first edge after each cycle. After the last cycle there may be none.
     next_edge_times = np.append(clock, np.inf)[ends]
     # The end of a timeout is an edge without a cycle.
-    has_fall = first_falls < ends
-    ends, first_falls, next_edge_times = ends[has_fall], first_falls[has_fall], next_edge_times[has_fall]
+    has_fall = first_falling_edges < ends
+    ends, first_falling_edges, next_edge_times = (
+        ends[has_fall],
+        first_falling_edges[has_fall],
+        next_edge_times[has_fall],
+    )
     last_edges = ends - 1
-    begin_times = clock[first_falls]
+    begin_times = clock[first_falling_edges]
     last_edge_times = clock[last_edges]
-    rise_counts = (ends - first_falls) // 2
+    rise_counts = (ends - first_falling_edges) // 2
     # The edges of a cycle are half a period apart on average. With fewer than two rising edges, the pause shows the
     # period.
-    half_period_counts = np.maximum(last_edges - first_falls, 1)
+    half_period_counts = np.maximum(last_edges - first_falling_edges, 1)
     mean_periods = 2 * (last_edge_times - begin_times) / half_period_counts
     periods = np.where(rise_counts > 1, mean_periods, pause / IDLE_PERIODS)
     return Cycles(
-        first_falls=first_falls,
+        first_falling_edges=first_falling_edges,
         ends=ends,
         rise_counts=rise_counts,
         begin_times=begin_times,
@@ -140,16 +144,16 @@ def find_biss_bits(lines: LineEdges, cycles: Cycles, frame_bits: int) -> CycleBi
     start_bits = _find_start_bits(lines, cycles)
     # The clock shifts out the start bit with one rising edge, and CDS and the frame with the following ones. It has
     # shifted out the start bit ``late_periods`` before this bit arrives.
-    rises_with_start_bit = start_bits.last_rises - start_bits.late_periods
-    last_rises = cycles.rise_counts - 1
-    bits_after_start = last_rises - rises_with_start_bit
+    rises_with_start_bit = start_bits.last_rise_numbers - start_bits.late_periods
+    last_rise_numbers = cycles.rise_counts - 1
+    bits_after_start = last_rise_numbers - rises_with_start_bit
     reasons = _find_biss_errors(cycles, start_bits, has_all_bits=bits_after_start >= 1 + frame_bits)
     # The first bit after the start bit is CDS, which does not count.
     frame_bits_sent = np.maximum(bits_after_start - 1, 0)
     return CycleBits(
         reasons=reasons,
         # The first bit arrives one period after the start bit.
-        first_rises=start_bits.last_rises + 1,
+        first_rise_numbers=start_bits.last_rise_numbers + 1,
         delays=start_bits.delays,
         # Only a cycle with too few bits reports how many there were.
         sent_counts=np.where(reasons == TOO_FEW_BITS, frame_bits_sent, cycles.rise_counts),
@@ -165,7 +169,7 @@ def _find_biss_errors(cycles: Cycles, start_bits: _StartBits, has_all_bits: Any)
     latest_arrivals = cycles.last_edge_times + cycles.periods * (start_bits.late_periods + 2)
     arrives_late = start_bits.arrival_times > latest_arrivals
     arrives_after_cycle = start_bits.arrival_times >= cycles.next_edge_times
-    arrives_before_first_rise = start_bits.last_rises < 0
+    arrives_before_first_rise = start_bits.last_rise_numbers < 0
     # The acknowledgement comes before the next cycle, and is not later than the longest delay.
     longest_delays = LONGEST_DELAY * cycles.periods
     latest_acknowledgements = np.minimum(cycles.next_edge_times, cycles.last_edge_times + longest_delays)
@@ -182,7 +186,7 @@ def _find_biss_errors(cycles: Cycles, start_bits: _StartBits, has_all_bits: Any)
 
 def _find_start_bits(lines: LineEdges, cycles: Cycles) -> _StartBits:
     """Return the start bits. The data line goes low as an acknowledgement, and rises with the start bit."""
-    clock, first_falls = lines.clock, cycles.first_falls
+    clock, first_falling_edges = lines.clock, cycles.first_falling_edges
     # In each cycle, the first edge of the data line is the acknowledgement, and the second one is the start bit.
     first_data_edges = np.searchsorted(lines.data, cycles.begin_times, "left")
     # After the last edge, the data line never changes again: its next edges are at infinity.
@@ -190,9 +194,9 @@ def _find_start_bits(lines: LineEdges, cycles: Cycles) -> _StartBits:
     acknowledgement_times = data_times[first_data_edges]
     arrival_times = data_times[first_data_edges + 1]
     # Of the clock edges before the start bit arrives, counted from the first falling edge, every second one rises.
-    clock_edges_before = np.searchsorted(clock, arrival_times, "right") - first_falls
-    last_rises = clock_edges_before // 2 - 1
-    edges_of_last_rises = find_rising_edges(cycles, np.maximum(last_rises, 0))
+    clock_edges_before = np.searchsorted(clock, arrival_times, "right") - first_falling_edges
+    last_rise_numbers = clock_edges_before // 2 - 1
+    edges_of_last_rises = find_rising_edges(cycles, np.maximum(last_rise_numbers, 0))
     delays = arrival_times - clock[np.minimum(edges_of_last_rises, len(clock) - 1)]
     # A slave without delay acknowledges at the second rising edge, which has the number 1.
     second_rises = clock[np.minimum(find_rising_edges(cycles, 1), cycles.ends - 1)]
@@ -204,7 +208,7 @@ def _find_start_bits(lines: LineEdges, cycles: Cycles) -> _StartBits:
         levels_before=lines.data_level ^ (first_data_edges & 1),
         acknowledgement_times=acknowledgement_times,
         arrival_times=arrival_times,
-        last_rises=last_rises,
+        last_rise_numbers=last_rise_numbers,
         delays=delays,
         late_periods=late_periods,
     )
@@ -216,7 +220,7 @@ def find_rising_edges(cycles: Cycles, rise_numbers: Any) -> Any:
     ``rise_numbers`` are the numbers of these edges in their cycles, from 0. The first rising edge follows the first
     falling edge, and every second edge is a rising edge.
     """
-    return cycles.first_falls + 1 + 2 * rise_numbers
+    return cycles.first_falling_edges + 1 + 2 * rise_numbers
 
 
 def find_ssi_bits(lines: LineEdges, cycles: Cycles, frame_bits: int) -> CycleBits:
@@ -232,15 +236,15 @@ def find_ssi_bits(lines: LineEdges, cycles: Cycles, frame_bits: int) -> CycleBit
     data_times = np.append(lines.data, np.inf)
     change_times = data_times[np.searchsorted(lines.data, first_rise_times, "left")]
     # Of the clock edges before this change, counted from the first falling edge, every second one rises.
-    clock_edges_before = np.searchsorted(clock, change_times, "right") - cycles.first_falls
-    last_rises = np.maximum(clock_edges_before // 2 - 1, 0)
-    measured_delays = change_times - clock[np.minimum(find_rising_edges(cycles, last_rises), last_edges)]
+    clock_edges_before = np.searchsorted(clock, change_times, "right") - cycles.first_falling_edges
+    last_rise_numbers = np.maximum(clock_edges_before // 2 - 1, 0)
+    measured_delays = change_times - clock[np.minimum(find_rising_edges(cycles, last_rise_numbers), last_edges)]
     is_change_in_cycle = change_times < cycles.last_edge_times + cycles.periods
     is_delay_known = is_change_in_cycle & (measured_delays < cycles.periods)
     has_all_bits = cycles.rise_counts >= frame_bits
     return CycleBits(
         reasons=np.where(has_all_bits, 0, TOO_FEW_BITS),
-        first_rises=np.zeros(len(cycles.first_falls), np.int64),
+        first_rise_numbers=np.zeros(len(cycles.first_falling_edges), np.int64),
         delays=np.where(is_delay_known, measured_delays, 0.0),
         sent_counts=cycles.rise_counts,
     )
@@ -255,4 +259,4 @@ def find_shortest_gaps(clock: Any, cycles: Cycles) -> Any:
     gaps = np.append(np.diff(clock), np.inf)
     # A gap after the last edge of a cycle is a pause.
     gaps[cycles.ends - 1] = np.inf
-    return np.minimum.reduceat(gaps, cycles.first_falls)
+    return np.minimum.reduceat(gaps, cycles.first_falling_edges)

@@ -122,19 +122,19 @@ class _SerialLine:
         self._level ^= used_count & 1
 
 
-def _choose_start_bits(falls: Any, earliest_start: float, shortest_byte_time: float) -> Any:
+def _choose_start_bits(falling_edges: Any, earliest_start: float, shortest_byte_time: float) -> Any:
     """Return the falling edges that begin a byte: the first edge, then the first edge after each byte.
 
     A byte cannot begin before ``earliest_start``, or less than ``shortest_byte_time`` after the previous byte.
     """
     # For each falling edge, the index of the first one that can begin the next byte.
-    next_indices = np.searchsorted(falls, falls + shortest_byte_time, "left").tolist()
+    next_indices = np.searchsorted(falling_edges, falling_edges + shortest_byte_time, "left").tolist()
     start_indices: list[int] = []
-    index = int(np.searchsorted(falls, earliest_start, "left"))
-    while index < len(falls):
+    index = int(np.searchsorted(falling_edges, earliest_start, "left"))
+    while index < len(falling_edges):
         start_indices.append(index)
         index = next_indices[index]
-    return falls[start_indices] if start_indices else np.zeros(0)
+    return falling_edges[start_indices] if start_indices else np.zeros(0)
 
 
 #: Headers of the tables exported by Saleae's serial analyzer, with the columns of the times and of the bytes.
@@ -151,13 +151,13 @@ _BYTE_TEXT: Final = re.compile(r"0x([0-9a-fA-F]{1,2})|([0-9]{1,3})")
 _ROWS_AT_ONCE: Final = 1 << 16
 
 
-def find_exported_columns(head: bytes) -> tuple[int, int] | None:
+def find_exported_columns(first_bytes: bytes) -> tuple[int, int] | None:
     """Return the indices of the time and byte columns if a file is an export of serial bytes, otherwise None.
 
-    ``head`` contains the first bytes of the file. Its first line must begin with a header that Saleae's serial analyzer
-    writes.
+    ``first_bytes`` contains the first bytes of the file. Its first line must begin with a header that Saleae's serial
+    analyzer writes.
     """
-    first_line = head.decode("utf-8-sig", "replace").partition("\n")[0]
+    first_line = first_bytes.decode("utf-8-sig", "replace").partition("\n")[0]
     cells = [cell.strip().strip('"').lower() for cell in first_line.split(",")]
     for header, time_column, byte_column in _SALEAE_EXPORT_HEADERS:
         if tuple(cells[: len(header)]) == header:
@@ -176,30 +176,30 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
     rows = enumerate(csv.reader(text), 1)
     # The first row is the header.
     next(rows)
-    line = 1
+    line_number = 1
     # Empty rows are left out, but count as lines.
     while numbered_rows := [(line_number, row) for line_number, row in islice(rows, _ROWS_AT_ONCE) if row]:
         values = np.zeros(len(numbered_rows), np.uint8)
         times = np.zeros(len(numbered_rows))
         has_stop_bits = np.ones(len(numbered_rows), bool)
-        for index, (line, row) in enumerate(numbered_rows):
+        for index, (line_number, row) in enumerate(numbered_rows):
             if len(row) <= max(time_column, byte_column):
-                raise InputError(path, "the row ends early", place=f"line {line}")
-            values[index] = _read_byte(row[byte_column], path, line)
+                raise InputError(path, "the row ends early", place=f"line {line_number}")
+            values[index] = _read_byte(row[byte_column], path, line_number)
             try:
                 times[index] = float(row[time_column])
             except ValueError:
                 reason = f"{quote(row[time_column])} is not a time in seconds: export without time stamps of ISO 8601"
-                raise InputError(path, reason, place=f"line {line}") from None
+                raise InputError(path, reason, place=f"line {line_number}") from None
             # A byte without a stop bit has a cell that names a framing error.
             has_stop_bits[index] = not any("framing" in cell.lower() for cell in row)
-        yield Bytes(values, times, has_stop_bits, line)
+        yield Bytes(values, times, has_stop_bits, line_number)
 
 
-def _read_byte(cell: str, path: str, line: int) -> int:
+def _read_byte(cell: str, path: str, line_number: int) -> int:
     """Return the byte in a cell: hexadecimal such as ``0x1A``, or decimal.
 
-    Raises InputError for other cells. ``line`` is the number of the line, for the error.
+    Raises InputError for other cells. ``line_number`` is the number of the line, for the error.
     """
     match = _BYTE_TEXT.fullmatch(cell.strip())
     if match is not None:
@@ -208,7 +208,7 @@ def _read_byte(cell: str, path: str, line: int) -> int:
         if number <= 255:
             return number
     reason = f"{quote(cell)} is not a byte: export with hexadecimal numbers"
-    raise InputError(path, reason, place=f"line {line}")
+    raise InputError(path, reason, place=f"line {line_number}")
 
 
 def _add_end_mark(signals: Signals) -> Iterator[Edges | None]:

@@ -30,13 +30,13 @@ np: Any = load("numpy")
 
 @contextmanager
 def open_signals(
-    paths: Sequence[str], names: SignalNames, rate: float | None = None, threshold: float | None = None
+    paths: Sequence[str], signal_names: SignalNames, rate: float | None = None, threshold: float | None = None
 ) -> Generator[Signals, None, None]:
     """Open a capture.
 
     Args:
         paths: The file. Saleae binary files contain one signal each: the clock, then the data line.
-        names: The channels of the signals.
+        signal_names: The channels of the signals.
         rate: Sample rate in Hz, needed if the file does not specify it.
         threshold: Voltage above which the level is 1, for a table of voltages.
 
@@ -48,19 +48,19 @@ def open_signals(
     """
     with ExitStack() as stack:
         files = [stack.enter_context(open(path, "rb")) for path in paths]
-        heads = [file.read(HEADER) for file in files]
+        first_bytes_of_files = [file.read(HEADER) for file in files]
         for file in files:
             file.seek(0)
-        are_saleae = [head.startswith(SALEAE_HEADER) for head in heads]
+        are_saleae = [first_bytes.startswith(SALEAE_HEADER) for first_bytes in first_bytes_of_files]
         if any(are_saleae):
             # A serial line has no clock, so it is the only signal.
-            signal_count = 1 if names.clock is None else 2
+            signal_count = 1 if signal_names.clock is None else 2
             _check_saleae_files(paths, are_saleae, signal_count)
-            signals = read_saleae(files[::-1], paths[::-1]) if names.exchanged else read_saleae(files, paths)
+            signals = read_saleae(files[::-1], paths[::-1]) if signal_names.exchanged else read_saleae(files, paths)
         elif len(files) != 1:
             raise UsageError("give one file: only binary files of Saleae have one signal each")
         else:
-            signals = _open_single_file(stack, files[0], paths[0], names, rate, threshold)
+            signals = _open_single_file(stack, files[0], paths[0], signal_names, rate, threshold)
         try:
             yield signals
         finally:
@@ -82,29 +82,29 @@ def _check_saleae_files(paths: Sequence[str], are_saleae: Sequence[bool], signal
 
 
 def _open_single_file(
-    stack: ExitStack, file: BinaryIO, path: str, names: SignalNames, rate: float | None, threshold: float | None
+    stack: ExitStack, file: BinaryIO, path: str, signal_names: SignalNames, rate: float | None, threshold: float | None
 ) -> Signals:
     """Return the signals of a capture in one file. Its first bytes show the format.
 
     The formats are a ZIP file (sigrok or NumPy), a NumPy file, a VCD file, and a table of text. ``stack`` closes an
-    archive. ``names`` are the channels of the signals, ``rate`` is the chosen sample rate in Hz, and ``threshold`` the
-    voltage above which the level is 1 in a table of voltages.
+    archive. ``signal_names`` are the channels of the signals, ``rate`` is the chosen sample rate in Hz, and
+    ``threshold`` the voltage above which the level is 1 in a table of voltages.
     """
-    head = file.read(HEADER)
+    first_bytes = file.read(HEADER)
     file.seek(0)
     # Binary formats begin with a fixed mark. All other files are text, which contains no bytes of 0.
-    if head.startswith(b"PK"):
-        return _read_archive(stack, file, path, names, rate, threshold)
-    if head.startswith(b"\x93NUMPY"):
-        return read_array_file(file, path, names, rate)
-    if not head:
+    if first_bytes.startswith(b"PK"):
+        return _read_archive(stack, file, path, signal_names, rate, threshold)
+    if first_bytes.startswith(b"\x93NUMPY"):
+        return read_array_file(file, path, signal_names, rate)
+    if not first_bytes:
         raise InputError(path, "the file is empty")
-    if b"\0" in head:
+    if b"\0" in first_bytes:
         raise InputError(path, f"this is not a capture: {HINT}")
     # A value change dump begins with a command such as $date or $timescale.
-    if head.lstrip().startswith(b"$"):
-        return read_vcd_signals(file, path, names)
-    return read_table_signals(file, path, head, names, rate, threshold)
+    if first_bytes.lstrip().startswith(b"$"):
+        return read_vcd_signals(file, path, signal_names)
+    return read_table_signals(file, path, first_bytes, signal_names, rate, threshold)
 
 
 #: Errors that a damaged ZIP file causes.
@@ -120,7 +120,7 @@ _ERRORS_OF_DAMAGED_ZIP: Final = (
 
 
 def _read_archive(
-    stack: ExitStack, file: BinaryIO, path: str, names: SignalNames, rate: float | None, threshold: float | None
+    stack: ExitStack, file: BinaryIO, path: str, signal_names: SignalNames, rate: float | None, threshold: float | None
 ) -> Signals:
     """Return the signals of a ZIP file, which contains a sigrok session or NumPy arrays.
 
@@ -133,8 +133,8 @@ def _read_archive(
         raise InputError(path, "this is not a valid sigrok session") from None
     has_arrays = any(file_name.endswith(".npy") for file_name in file_names)
     if has_arrays and "metadata" not in file_names:
-        return read_array_archive(archive, path, names, rate, threshold)
-    return _read_session(archive, path, names, rate)
+        return read_array_archive(archive, path, signal_names, rate, threshold)
+    return _read_session(archive, path, signal_names, rate)
 
 
 class _SessionMetadata(NamedTuple):
@@ -176,7 +176,7 @@ def _read_session_metadata(archive: zipfile.ZipFile, path: str) -> _SessionMetad
     )
 
 
-def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate: float | None) -> Signals:
+def _read_session(archive: zipfile.ZipFile, path: str, signal_names: SignalNames, rate: float | None) -> Signals:
     """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes."""
     metadata = _read_session_metadata(archive, path)
     sample_bytes, probes = metadata.sample_bytes, metadata.probes
@@ -189,11 +189,11 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
     probe_numbers = [number for number in sorted(probes) if 1 <= number <= bits_per_sample]
     channels = [probes[number] for number in probe_numbers]
     # The number of a probe is also accepted, although only probes in use have names.
-    numbered_names = names._replace(
-        clock=_find_numbered_probe(names.clock, probes, probe_numbers, path),
-        data=_find_numbered_probe(names.data, probes, probe_numbers, path),
+    numbered_signal_names = signal_names._replace(
+        clock=_find_numbered_probe(signal_names.clock, probes, probe_numbers, path),
+        data=_find_numbered_probe(signal_names.data, probes, probe_numbers, path),
     )
-    channel_indices = numbered_names.find_channels(channels, path)
+    channel_indices = numbered_signal_names.find_channels(channels, path)
     chosen_probes = [probe_numbers[index] for index in channel_indices]
     # The lowest bit of a sample is probe 1.
     masks = tuple(1 << (number - 1) for number in chosen_probes)
@@ -204,12 +204,12 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
     return Signals.at_rate(edges, rate or metadata.rate, total)
 
 
-def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
+def _find_numbered_probe(name: Any, probes: dict[int, str], probe_numbers: list[int], path: str) -> Any:
     """Return a channel chosen in a session, in the form that ``SignalNames`` expects.
 
     A number is the number of a probe, as in the session. It becomes the place among the probes in use, counted from 1:
     with the probes 2 and 5, ``"5"`` becomes ``"2"``. Any other name, or None, is returned unchanged. ``probes``
-    contains the names of the probes in use by number, and ``numbers`` these numbers in order.
+    contains the names of the probes in use by number, and ``probe_numbers`` these numbers in order.
 
     Raises:
         InputError: No probe in use has this number.
@@ -220,40 +220,40 @@ def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], 
     if not is_number or is_name_of_probe:
         return name
     probe_number = int(chosen_name)
-    if probe_number not in numbers:
+    if probe_number not in probe_numbers:
         probe_names = [*probes.values()]
         raise InputError(path, f"no channel {quote(chosen_name)}; the channels are {list_names(probe_names)}")
-    place_from_1 = numbers.index(probe_number) + 1
+    place_from_1 = probe_numbers.index(probe_number) + 1
     return str(place_from_1)
 
 
-def _list_sample_files(archive: zipfile.ZipFile, stem: str, path: str) -> list[zipfile.ZipInfo]:
+def _list_sample_files(archive: zipfile.ZipFile, file_stem: str, path: str) -> list[zipfile.ZipInfo]:
     """Return the files of samples in a session in order.
 
     They are called ``logic-1`` (the stem), or ``logic-1-1``, ``logic-1-2`` and so on. Raises InputError if a file
     in the sequence is missing.
     """
-    files_by_name = {info.filename: info for info in archive.infolist()}
-    if stem in files_by_name:
-        return [files_by_name[stem]]
+    files_by_name = {sample_file.filename: sample_file for sample_file in archive.infolist()}
+    if file_stem in files_by_name:
+        return [files_by_name[file_stem]]
     sample_files: list[zipfile.ZipInfo] = []
-    while (next_name := f"{stem}-{len(sample_files) + 1}") in files_by_name:
+    while (next_name := f"{file_stem}-{len(sample_files) + 1}") in files_by_name:
         sample_files.append(files_by_name[next_name])
-    numbered_names = [name for name in files_by_name if re.fullmatch(re.escape(stem) + "-[0-9]+", name)]
-    if len(numbered_names) > len(sample_files):
+    numbered_signal_names = [name for name in files_by_name if re.fullmatch(re.escape(file_stem) + "-[0-9]+", name)]
+    if len(numbered_signal_names) > len(sample_files):
         raise InputError(path, f"this sigrok session is damaged: its file {next_name} is missing")
     return sample_files
 
 
-def _measure_unpacked(entries: list[zipfile.ZipInfo], path: str) -> int:
+def _measure_unpacked(sample_files: list[zipfile.ZipInfo], path: str) -> int:
     """Return the total unpacked size of the sample files in bytes.
 
     Raises:
         InputError: There are no files, or they are too large.
     """
-    if not entries:
+    if not sample_files:
         raise InputError(path, "this sigrok session has no samples")
-    total = sum(info.file_size for info in entries)
+    total = sum(sample_file.file_size for sample_file in sample_files)
     if total > MOST_UNPACKED:
         sizes = f"{total / 1e9:.1f} GB unpacked, and at most {MOST_UNPACKED / 1e9:.1f} GB are read"
         raise InputError(path, f"the samples have {sizes}: save a shorter session")
@@ -261,24 +261,24 @@ def _measure_unpacked(entries: list[zipfile.ZipInfo], path: str) -> int:
 
 
 def _unpack_samples(
-    archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], size: int, path: str
+    archive: zipfile.ZipFile, sample_files: list[zipfile.ZipInfo], sample_bytes: int, path: str
 ) -> Generator[Samples, None, None]:
     """Yield the samples of a session as numbers. The amount read is the number of bytes so far.
 
-    A sample has ``size`` bytes, and may span two files. An incomplete sample at the end of the
+    A sample has ``sample_bytes`` bytes, and may span two files. An incomplete sample at the end of the
     session is ignored.
     """
     bytes_read = 0
     remainder = b""
     try:
-        for info in entries:
-            with archive.open(info) as file:
-                while block := file.read(SAMPLES * size):
+        for sample_file in sample_files:
+            with archive.open(sample_file) as file:
+                while block := file.read(SAMPLES * sample_bytes):
                     bytes_read += len(block)
                     data = remainder + block
-                    sample_count = len(data) // size
-                    remainder = data[sample_count * size :]
-                    samples = np.frombuffer(data, f"<u{size}", count=sample_count)
+                    sample_count = len(data) // sample_bytes
+                    remainder = data[sample_count * sample_bytes :]
+                    samples = np.frombuffer(data, f"<u{sample_bytes}", count=sample_count)
                     yield Samples(samples, amount_read=bytes_read)
     except _ERRORS_OF_DAMAGED_ZIP as error:
         # Some errors have no message.

@@ -62,28 +62,34 @@ _HYSTERESIS: Final = 0.1
 
 
 def read_table_signals(
-    file: BinaryIO, path: str, head: bytes, names: SignalNames, rate: float | None, threshold: float | None = None
+    file: BinaryIO,
+    path: str,
+    first_bytes: bytes,
+    signal_names: SignalNames,
+    rate: float | None,
+    threshold: float | None = None,
 ) -> Signals:
     """Return the signals of a table: columns of 0 and 1, with one row per sample, or with a time in the first column.
 
     Columns can also have voltages. Voltages above ``threshold`` are the level 1. By default, it is in the middle of
-    their range. ``head`` contains the first bytes of the file, and ``rate`` is the chosen sample rate in Hz, or None.
+    their range. ``first_bytes`` contains the first bytes of the file, and ``rate`` is the chosen sample rate in Hz, or
+    None.
     """
-    form = find_table_form(path, head)
-    channel_indices = names.find_channels(form.channels, path)
-    columns = [form.columns_before_channels + index for index in channel_indices]
-    parts = _read_table_parts(file, path, form, columns, threshold)
+    table_form = find_table_form(path, first_bytes)
+    channel_indices = signal_names.find_channels(table_form.channels, path)
+    columns = [table_form.columns_before_channels + index for index in channel_indices]
+    parts = _read_table_parts(file, path, table_form, columns, threshold)
     # The levels of the signals are packed, so their bits are numbered from 0.
     masks = tuple(1 << bit for bit in range(len(channel_indices)))
     edges = read_samples(parts, masks)
     total = measure_size(file)
-    if form.has_times:
-        return Signals(edges, seconds=form.unit, is_sampled=False, total=total)
-    return Signals.at_rate(edges, rate or form.rate, total)
+    if table_form.has_times:
+        return Signals(edges, seconds=table_form.unit, is_sampled=False, total=total)
+    return Signals.at_rate(edges, rate or table_form.rate, total)
 
 
 def _read_table_parts(
-    file: BinaryIO, path: str, form: TableForm, columns: list[int], threshold: float | None
+    file: BinaryIO, path: str, table_form: TableForm, columns: list[int], threshold: float | None
 ) -> Generator[Samples, None, None]:
     """Yield the levels of the rows part by part, with their times if the table has times.
 
@@ -94,7 +100,7 @@ def _read_table_parts(
         InputError: The times are not in ascending order, or a cell is wrong.
     """
     last_time = -np.inf
-    reader = _RowReader(form, columns, path)
+    reader = _RowReader(table_form, columns, path)
     reader.find_voltages(file, threshold)
     for block, first_line, bytes_read in reader.blocks_of_rows(file):
         times, levels = reader.read(block, first_line)
@@ -112,8 +118,8 @@ class _RowReader:
     voltages to levels. Both are None if the table has no time stamps or voltages.
     """
 
-    def __init__(self, form: TableForm, columns: list[int], path: str) -> None:
-        self._form = form
+    def __init__(self, table_form: TableForm, columns: list[int], path: str) -> None:
+        self._table_form = table_form
         self._columns = columns
         self._path = path
         self._first_stamp: Any = None
@@ -127,8 +133,8 @@ class _RowReader:
         """
         # The lowest and the highest voltage of each column, block by block.
         ranges: list[Any] = []
-        for block, line, _ in self.blocks_of_rows(file):
-            cells = self._read_numbers(block, line, self._columns)
+        for block, first_line, _ in self.blocks_of_rows(file):
+            cells = self._read_numbers(block, first_line, self._columns)
             has_fractions = (cells != np.floor(cells)).any()
             has_voltages = np.isfinite(cells).all() and has_fractions
             is_first_block = not ranges
@@ -146,56 +152,56 @@ class _RowReader:
             block = data
             first_line = line
             # The headers are in the first block.
-            if line == 1 and self._form.skipped:
+            if line == 1 and self._table_form.skipped:
                 # The last piece is what follows the skipped lines.
-                block = data.split(b"\n", self._form.skipped)[-1]
-                first_line += self._form.skipped
+                block = data.split(b"\n", self._table_form.skipped)[-1]
+                first_line += self._table_form.skipped
             line += data.count(b"\n")
-            if self._form.has_decimal_commas:
+            if self._table_form.has_decimal_commas:
                 block = block.replace(b",", b".")
             if block.strip():
                 yield block, first_line, bytes_read
 
-    def _read_numbers(self, block: bytes, line: int, columns: list[int]) -> Any:
+    def _read_numbers(self, block: bytes, first_line: int, columns: list[int]) -> Any:
         """Return the numbers in these columns of a block, with a row for each line.
 
-        ``line`` is the number of the first line. Raises InputError if a cell is not a number.
+        ``first_line`` is the number of the first line. Raises InputError if a cell is not a number.
         """
         try:
             text = io.BytesIO(block)
-            delimiter = self._form.delimiter
+            delimiter = self._table_form.delimiter
             return np.loadtxt(text, delimiter=delimiter, quotechar='"', usecols=columns, ndmin=2, comments=None)
         except (ValueError, IndexError) as error:
             reason = str(error).splitlines()[0]
             if b"X" in block:
                 reason = "X means that a channel was off for some time: export a part in which all channels are on"
-            raise InputError(self._path, reason, place=f"from line {line}") from None
+            raise InputError(self._path, reason, place=f"from line {first_line}") from None
 
-    def read(self, block: bytes, line: int) -> tuple[Any, Any]:
+    def read(self, block: bytes, first_line: int) -> tuple[Any, Any]:
         """Return the times and the levels of some rows. The times are None if there are none, or if they are not used.
 
-        Raises InputError if a cell is wrong. ``line`` is the number of the first row, for that error.
+        Raises InputError if a cell is wrong. ``first_line`` is the number of the first row, for that error.
         """
-        if not self._form.has_times:
-            return None, self._read_levels(block, line)
+        if not self._table_form.has_times:
+            return None, self._read_levels(block, first_line)
         stamps: Any = None
-        if self._form.is_stamped:
-            stamps, block = self._split_off_stamps(block, line)
-        table = self._read_numbers(block, line, [0, *self._columns])
+        if self._table_form.is_stamped:
+            stamps, block = self._split_off_stamps(block, first_line)
+        table = self._read_numbers(block, first_line, [0, *self._columns])
         if not np.isfinite(table[:, 0]).all():
-            raise InputError(self._path, "expected times in the first column", place=f"from line {line}")
+            raise InputError(self._path, "expected times in the first column", place=f"from line {first_line}")
         times = np.ascontiguousarray(table[:, 0]) if stamps is None else stamps
-        return times, self._convert_to_levels(table[:, 1:], line)
+        return times, self._convert_to_levels(table[:, 1:], first_line)
 
-    def _read_levels(self, block: bytes, line: int) -> Any:
-        """Return the levels of rows without times. ``line`` is the number of the first row, for errors."""
+    def _read_levels(self, block: bytes, first_line: int) -> Any:
+        """Return the levels of rows without times. ``first_line`` is the number of the first row, for errors."""
         if self._voltages is None:
-            levels = _read_regular_rows(block, self._form.delimiter, self._columns)
+            levels = _read_regular_rows(block, self._table_form.delimiter, self._columns)
             if levels is not None:
                 return levels
-        return self._convert_to_levels(self._read_numbers(block, line, self._columns), line)
+        return self._convert_to_levels(self._read_numbers(block, first_line, self._columns), first_line)
 
-    def _convert_to_levels(self, cells: Any, line: int) -> Any:
+    def _convert_to_levels(self, cells: Any, first_line: int) -> Any:
         """Return the levels of some rows of numbers, each row as one number whose lowest bit is the first column.
 
         Empty cells of voltages are NaN, which is neither 0 nor 1, and raises the error.
@@ -207,15 +213,15 @@ class _RowReader:
             return pack_bits(self._voltages.levels(cells))
         are_levels = (cells == 0) | (cells == 1)
         if not are_levels.all():
-            raise InputError(self._path, "expected columns of 0 and 1, or of voltages", place=f"from line {line}")
+            raise InputError(self._path, "expected columns of 0 and 1, or of voltages", place=f"from line {first_line}")
         return pack_bits(cells)
 
-    def _split_off_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
+    def _split_off_stamps(self, block: bytes, first_line: int) -> tuple[Any, bytes]:
         """Return the times of rows in seconds from the first time stamp, and the rows with 0 instead of time stamps.
 
         The first time stamp applies to the whole file. Raises InputError if a row does not begin with a time stamp.
         """
-        delimiter = (self._form.delimiter or " ").encode()
+        delimiter = (self._table_form.delimiter or " ").encode()
         stamp_texts: list[str] = []
         rows_without_stamps: list[bytes] = []
         for row in block.splitlines():
@@ -224,14 +230,16 @@ class _RowReader:
             first_cell, _, following_cells = row.partition(delimiter)
             stamp = STAMP.match(first_cell.strip(b' "'))
             if stamp is None:
-                raise InputError(self._path, "expected a time stamp in the first column", place=f"from line {line}")
+                raise InputError(
+                    self._path, "expected a time stamp in the first column", place=f"from line {first_line}"
+                )
             stamp_texts.append(stamp[0].decode().replace(" ", "T"))
             rows_without_stamps.append(b"0" + delimiter + following_cells)
         try:
             times = np.array(stamp_texts, "datetime64[ns]")
         except ValueError as error:
             # Not every text in the form of a time stamp is a time stamp, such as a 13th month.
-            raise InputError(self._path, str(error), place=f"from line {line}") from None
+            raise InputError(self._path, str(error), place=f"from line {first_line}") from None
         if self._first_stamp is None:
             self._first_stamp = times[0]
         # The differences are in nanoseconds.
@@ -306,31 +314,31 @@ _VAR_DECLARATION: Final = re.compile(r"\$var\s+\S+\s+(\d+)\s+(\S+)\s+(.*?)\s*\$e
 _TIMESCALE: Final = re.compile(r"\$timescale\s+(1|10|100)\s*(s|ms|us|ns|ps|fs)\s+\$end")
 
 
-def read_vcd_signals(file: BinaryIO, path: str, names: SignalNames) -> Signals:
+def read_vcd_signals(file: BinaryIO, path: str, signal_names: SignalNames) -> Signals:
     """Return the signals of a value change dump. Only its one-bit variables are channels."""
     size = measure_size(file)
-    head = file.read(_BLOCK)
-    header_end = re.search(rb"\$enddefinitions\s+\$end", head)
-    header = head[: header_end.start()].decode("ascii", "replace") if header_end is not None else ""
+    first_bytes = file.read(_BLOCK)
+    header_end = re.search(rb"\$enddefinitions\s+\$end", first_bytes)
+    header = first_bytes[: header_end.start()].decode("ascii", "replace") if header_end is not None else ""
     scale = _TIMESCALE.search(header)
     if header_end is None or scale is None:
         raise InputError(path, "this is not a valid VCD file: the header has no time scale or no end")
     time_unit = int(scale[1]) * UNITS[scale[2]]
     file.seek(header_end.end())
-    codes: list[bytes] = []
-    signal_names: list[str] = []
-    for bits, code, name in _VAR_DECLARATION.findall(header):
-        if bits == "1":
-            codes.append(code.encode())
-            signal_names.append(name)
-    channel_indices = names.find_channels(signal_names, path)
-    edges = _read_changes(file, path, [codes[index] for index in channel_indices])
+    variable_codes: list[bytes] = []
+    variable_names: list[str] = []
+    for bit_count, variable_code, variable_name in _VAR_DECLARATION.findall(header):
+        if bit_count == "1":
+            variable_codes.append(variable_code.encode())
+            variable_names.append(variable_name)
+    channel_indices = signal_names.find_channels(variable_names, path)
+    edges = _read_changes(file, path, [variable_codes[index] for index in channel_indices])
     return Signals(edges, seconds=time_unit, is_sampled=False, total=size)
 
 
-def _read_changes(file: BinaryIO, path: str, codes: Sequence[bytes]) -> Generator[Edges, None, None]:
+def _read_changes(file: BinaryIO, path: str, signal_codes: Sequence[bytes]) -> Generator[Edges, None, None]:
     """Yield the edges of the signals with these codes in a value change dump, block by block."""
-    changes = _ValueChanges(path, codes)
+    changes = _ValueChanges(path, signal_codes)
     for block, bytes_read in _read_blocks(file, path, "VCD"):
         yield changes.edges_in(block, bytes_read)
 

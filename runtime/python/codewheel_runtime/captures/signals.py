@@ -262,13 +262,13 @@ def pack_bits(columns: Any) -> Any:
     return levels
 
 
-def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> Signals:
+def read_array(samples: Any, signal_names: SignalNames, rate: float | None = None) -> Signals:
     """Return the signals in an array of samples.
 
     Args:
         samples: An array of whole numbers. In one dimension, each number is a sample, whose bits are the channels, the
             lowest bit first. In two dimensions, each row is a sample and each column a channel, 0 or 1.
-        names: The channels, by their numbers from 1.
+        signal_names: The channels, by their numbers from 1.
         rate: Sample rate in Hz.
 
     Raises:
@@ -285,7 +285,7 @@ def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> S
     channel_count = array.shape[1] if has_rows else 8 * array.dtype.itemsize
     # The channels of an array have no names, only numbers.
     channel_names = [str(number) for number in range(1, channel_count + 1)]
-    channel_indices = names.find_channels(channel_names, "the array")
+    channel_indices = signal_names.find_channels(channel_names, "the array")
     # In rows, the chosen columns are packed into one number per sample, so the signals are its bits 0 and 1.
     signal_bits = range(len(channel_indices)) if has_rows else channel_indices
     masks = tuple(1 << bit for bit in signal_bits)

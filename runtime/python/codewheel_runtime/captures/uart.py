@@ -7,7 +7,7 @@ from collections.abc import Generator, Mapping, Sequence
 from typing import Any, Final, NamedTuple
 
 from ..bulk.decode import decode_many
-from ..bulk.shape import Shape
+from ..bulk.shape import FrameLayout
 from ..errors import ErrorKind, InputError
 from ..files.stream import count_units
 from ..packages import load
@@ -26,19 +26,20 @@ _LONGEST_PAUSE: Final = 20
 _PRINTED_BYTES: Final = 12
 
 
-class Kinds(NamedTuple):
+class FrameKinds(NamedTuple):
     """Kinds of frames on a line: replies from the encoder and requests from the master, by name.
 
-    ``wanted`` is the kind of the replies that the user requests, or empty for the most frequent one with a position.
+    ``wanted_kind`` is the kind of the replies that the user requests, or empty for the most frequent one with a
+    position.
     """
 
-    replies: Mapping[str, Shape]
-    requests: Mapping[str, Shape]
-    wanted: str = ""
+    replies: Mapping[str, FrameLayout]
+    requests: Mapping[str, FrameLayout]
+    wanted_kind: str = ""
 
 
 def find_replies(
-    line: Generator[Bytes, None, None], name: str, baud: float, kinds: Kinds
+    line: Generator[Bytes, None, None], file_name: str, baud: float, kinds: FrameKinds
 ) -> Generator[CapturedFrames, None, None]:
     """Yield the replies of one kind.
 
@@ -47,7 +48,7 @@ def find_replies(
 
     Args:
         line: The bytes on the line.
-        name: Name of the file, for errors.
+        file_name: Name of the file, for errors.
         baud: Bits per second, or per sample if times are in samples.
         kinds: Kinds of frames.
 
@@ -61,11 +62,11 @@ def find_replies(
     for bytes_on_line in line:
         is_silent = False
         waiting_frames.append(finder.feed(bytes_on_line))
-        if finder.wanted:
+        if finder.wanted_kind:
             yield from map(finder.with_kind, waiting_frames)
             waiting_frames.clear()
     if is_silent:
-        raise InputError(name, "no byte was sent: choose another channel with --data")
+        raise InputError(file_name, "no byte was sent: choose another channel with --data")
     yield from map(finder.with_kind, [*waiting_frames, finder.finish()])
 
 
@@ -90,7 +91,7 @@ class _ReplyFinder:
     ``duration`` is the time that a byte takes on the line, with start and stop bit, in the unit of the times.
     """
 
-    def __init__(self, kinds: Kinds, duration: float) -> None:
+    def __init__(self, kinds: FrameKinds, duration: float) -> None:
         self._kinds = kinds
         #: Longest time between the start bits of two bytes of a message.
         self._pause = _LONGEST_PAUSE * duration
@@ -100,7 +101,7 @@ class _ReplyFinder:
         self._times = np.zeros(0)
         self._has_stop_bits = np.zeros(0, bool)
         #: Name of the kind of replies to return. It is empty until it is known.
-        self.wanted = kinds.wanted
+        self.wanted_kind = kinds.wanted_kind
         #: Amount of the file that has been read.
         self._amount_read = 0
 
@@ -122,33 +123,33 @@ class _ReplyFinder:
 
         A part with frames already has the name. In other parts, the empty array gets the length of this kind.
         """
-        if not self.wanted or len(part.frames):
+        if not self.wanted_kind or len(part.frames):
             return part
-        length = self._kinds.replies[self.wanted].length
-        return part._replace(kind=self.wanted, frames=np.zeros((0, length), np.uint8))
+        length = self._kinds.replies[self.wanted_kind].byte_count
+        return part._replace(kind=self.wanted_kind, frames=np.zeros((0, length), np.uint8))
 
-    def _find_valid_starts(self, shape: Shape) -> Any:
+    def _find_valid_starts(self, layout: FrameLayout) -> Any:
         """Return an array that is True for each byte at which a valid frame begins.
 
         Its last item represents the end and is False.
 
         A valid frame has no error and no pause between its bytes, and each byte has its stop bit.
         """
-        count = len(self._values)
-        length = shape.length
-        is_valid = np.zeros(count + 1, bool)
-        if count < length:
+        byte_count = len(self._values)
+        frame_bytes = layout.byte_count
+        is_valid = np.zeros(byte_count + 1, bool)
+        if byte_count < frame_bytes:
             return is_valid
         # A row for each place at which a frame can begin, with the bytes from there on.
-        windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
+        windows = np.lib.stride_tricks.sliding_window_view(self._values, frame_bytes)
         start_count = len(windows)
-        has_no_error = decode_many(np.ascontiguousarray(windows), shape, encoder=None).fault == 0
+        has_no_error = decode_many(np.ascontiguousarray(windows), layout, encoder=None).fault == 0
         # A frame has no pause if the number of pauses is the same before its first and before its last byte. It has all
         # stop bits if the number of damaged bytes is the same before its first byte and after its last one.
         pauses_before = _count_true_before(np.diff(self._times) > self._pause)
-        has_no_pause = pauses_before[length - 1 :] == pauses_before[:start_count]
+        has_no_pause = pauses_before[frame_bytes - 1 :] == pauses_before[:start_count]
         damaged_before = _count_true_before(~self._has_stop_bits)
-        has_all_stop_bits = damaged_before[length:] == damaged_before[:start_count]
+        has_all_stop_bits = damaged_before[frame_bytes:] == damaged_before[:start_count]
         is_valid[:start_count] = has_no_error & has_no_pause & has_all_stop_bits
         return is_valid
 
@@ -157,13 +158,13 @@ class _ReplyFinder:
 
         If the kind of the replies is not known yet, these replies determine it.
         """
-        shapes = self._kinds.replies
+        layouts = self._kinds.replies
         # If several kinds of reply begin at a byte, the longest one counts.
-        names = sorted(shapes, key=lambda name: (-shapes[name].length, name))
+        names = sorted(layouts, key=lambda name: (-layouts[name].byte_count, name))
         request_lengths = self._find_request_lengths()
         places = self._place_replies(until, names, self._find_reply_kinds(names), request_lengths)
-        if not self.wanted:
-            self.wanted = self._choose_kind(places.starts)
+        if not self.wanted_kind:
+            self.wanted_kind = self._choose_kind(places.starts)
         frames = self._collect_frames(places, request_lengths)
         self._values = self._values[places.end :]
         self._times = self._times[places.end :]
@@ -198,12 +199,12 @@ class _ReplyFinder:
 
         The list also contains an item for the end of the bytes, which is 0.
         """
-        longest = np.zeros(len(self._values) + 1, np.int64)
-        for shape in self._kinds.requests.values():
+        longest_lengths = np.zeros(len(self._values) + 1, np.int64)
+        for layout in self._kinds.requests.values():
             # True counts as 1, so this is the length where a request begins, and 0 elsewhere.
-            lengths_of_kind = shape.length * self._find_valid_starts(shape)
-            longest = np.maximum(longest, lengths_of_kind)
-        lengths: list[int] = longest.tolist()
+            lengths_of_kind = layout.byte_count * self._find_valid_starts(layout)
+            longest_lengths = np.maximum(longest_lengths, lengths_of_kind)
+        lengths: list[int] = longest_lengths.tolist()
         return lengths
 
     def _place_replies(
@@ -231,7 +232,7 @@ class _ReplyFinder:
                 gaps.append((gap_start, index))
             name = names[reply_kinds[reply_start]]
             starts[name].append(reply_start)
-            index = reply_start + self._kinds.replies[name].length
+            index = reply_start + self._kinds.replies[name].byte_count
             gap_start = index
         end = min(index, byte_count)
         # The last bytes may begin a reply that is not complete yet, unless the capture ends.
@@ -248,62 +249,66 @@ class _ReplyFinder:
         A gap that contains exactly one reply with a CRC error, with or without a preceding request, is a frame
         with an error instead. ``request_lengths`` contains the length of the request that begins at each byte, or 0.
         """
-        lost: list[Lost] = []
-        reply_starts = [*places.starts.get(self.wanted, [])]
-        for first, end in places.gaps:
-            after_request = first + request_lengths[first]
+        lost_bytes: list[Lost] = []
+        reply_starts = [*places.starts.get(self.wanted_kind, [])]
+        for gap_start, gap_end in places.gaps:
+            after_request = gap_start + request_lengths[gap_start]
             # A gap can be a request alone.
-            reply_start = after_request if after_request < end else first
-            if self._is_damaged_reply(gap_start=first, reply_start=reply_start, end=end):
+            reply_start = after_request if after_request < gap_end else gap_start
+            if self._is_damaged_reply(gap_start=gap_start, reply_start=reply_start, gap_end=gap_end):
                 reply_starts.append(reply_start)
             else:
-                lost.append(Lost(float(self._times[first]), self._explain_loss(first, end, request_lengths)))
+                lost_bytes.append(
+                    Lost(float(self._times[gap_start]), self._explain_loss(gap_start, gap_end, request_lengths))
+                )
         first_bytes = np.array(sorted(reply_starts), np.int64)
-        other_counts = {name: len(starts) for name, starts in places.starts.items() if starts and name != self.wanted}
+        other_counts = {
+            name: len(starts) for name, starts in places.starts.items() if starts and name != self.wanted_kind
+        }
         return CapturedFrames(
             frames=self._copy_replies(first_bytes),
             times=self._times[first_bytes],
-            lost=lost,
+            lost=lost_bytes,
             amount_read=self._amount_read,
-            kind=self.wanted,
-            others=other_counts,
+            kind=self.wanted_kind,
+            other_counts=other_counts,
         )
 
     def _copy_replies(self, first_bytes: Any) -> Any:
         """Return the bytes of the replies of the wanted kind, a row for each. Each begins at an index in the array."""
-        shape = self._kinds.replies.get(self.wanted)
+        layout = self._kinds.replies.get(self.wanted_kind)
         # While the kind is not known, there are no replies, and any length fits.
-        length = shape.length if shape is not None else 1
+        length = layout.byte_count if layout is not None else 1
         if not len(first_bytes):
             return np.zeros((0, length), "u1")
         byte_indices = first_bytes[:, None] + np.arange(length)[None, :]
         return self._values[byte_indices]
 
-    def _is_damaged_reply(self, gap_start: int, reply_start: int, end: int) -> bool:
-        """Return whether the bytes from ``reply_start`` to ``end`` are a reply of the wanted kind with a CRC error.
+    def _is_damaged_reply(self, gap_start: int, reply_start: int, gap_end: int) -> bool:
+        """Return whether the bytes from ``reply_start`` to ``gap_end`` are a reply of the wanted kind with a CRC error.
 
         A request can precede the reply. All bytes from ``gap_start`` on, where it begins, must have their stop bits.
         """
-        # While the kind of the replies is not known, there is no shape.
-        shape = self._kinds.replies.get(self.wanted)
-        has_length_of_reply = shape is not None and end - reply_start == shape.length
-        if shape is None or not has_length_of_reply:
+        # While the kind of the replies is not known, there is no layout.
+        layout = self._kinds.replies.get(self.wanted_kind)
+        has_length_of_reply = layout is not None and gap_end - reply_start == layout.byte_count
+        if layout is None or not has_length_of_reply:
             return False
-        has_all_stop_bits = self._has_stop_bits[gap_start:end].all()
+        has_all_stop_bits = self._has_stop_bits[gap_start:gap_end].all()
         if not has_all_stop_bits:
             return False
-        reply = self._values[reply_start:end]
-        table = decode_many(reply.reshape(1, -1), shape, encoder=None)
+        reply = self._values[reply_start:gap_end]
+        table = decode_many(reply.reshape(1, -1), layout, encoder=None)
         return bool(table.fault[0] == ErrorKind.CRC)
 
-    def _explain_loss(self, first: int, end: int, request_lengths: list[int]) -> str:
-        """Return why the bytes from ``first`` to ``end`` do not belong to a reply, with the first bytes as text."""
-        lost_bytes = self._values[first:end].tobytes()
+    def _explain_loss(self, gap_start: int, gap_end: int, request_lengths: list[int]) -> str:
+        """Return why the bytes of a gap do not belong to a reply, with the first bytes as text."""
+        lost_bytes = self._values[gap_start:gap_end].tobytes()
         ellipsis = " ..." if len(lost_bytes) > _PRINTED_BYTES else ""
         bytes_text = lost_bytes[:_PRINTED_BYTES].hex(" ").upper() + ellipsis
-        if not self._has_stop_bits[first:end].all():
+        if not self._has_stop_bits[gap_start:gap_end].all():
             return f"a byte without a stop bit: check the baud rate, and whether the line is inverted ({bytes_text})"
-        if request_lengths[first] == end - first:
+        if request_lengths[gap_start] == gap_end - gap_start:
             return f"no reply to the request {bytes_text}"
         return f"{count_units(len(lost_bytes), 'byte')} without a valid reply: {bytes_text}"
 

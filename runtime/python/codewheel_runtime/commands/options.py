@@ -19,19 +19,21 @@ _LONGEST_NUMBER: Final = 20
 
 def add_capture(parser: argparse.ArgumentParser) -> None:
     """Add the command-line options for captures."""
-    add = parser.add_argument_group("capture").add_argument
-    add("--biss", metavar="FIELDS", help="layout of BiSS frames of an encoder without a package")
-    add("--clock", default="", metavar="CHANNEL", help="channel of the clock, MA")
-    add("--data", default="", metavar="CHANNEL", help="channel of the data line, SLO, or of the serial line")
-    add("--rate", type=_parse_rate, metavar="RATE", help="sample rate such as 24MHz, if FILE does not contain it")
-    add(
+    add_option = parser.add_argument_group("capture").add_argument
+    add_option("--biss", metavar="FIELDS", help="layout of BiSS frames of an encoder without a package")
+    add_option("--clock", default="", metavar="CHANNEL", help="channel of the clock, MA")
+    add_option("--data", default="", metavar="CHANNEL", help="channel of the data line, SLO, or of the serial line")
+    add_option(
+        "--rate", type=_parse_rate, metavar="RATE", help="sample rate such as 24MHz, if FILE does not contain it"
+    )
+    add_option(
         "--rest",
         type=seconds,
         metavar="SECONDS",
         help="shortest rest of the clock between cycles (default: 1.4 periods)",
     )
-    add("--baud", type=_parse_rate, metavar="BAUD", help="baud rate, if it differs from the manual")
-    add(
+    add_option("--baud", type=_parse_rate, metavar="BAUD", help="baud rate, if it differs from the manual")
+    add_option(
         "--threshold",
         type=float,
         metavar="VOLTS",
@@ -41,55 +43,59 @@ def add_capture(parser: argparse.ArgumentParser) -> None:
 
 def add_output(parser: argparse.ArgumentParser, plot: bool = False) -> None:
     """Add the options for the file to write."""
-    add = parser.add_argument_group("output").add_argument
+    add_option = parser.add_argument_group("output").add_argument
     if plot:
-        add("-o", "--output", required=True, metavar="FILE", help="picture to write: .png, .svg or .pdf")
-        add("--force", action="store_true", help="replace an existing file")
-        _add_digits(add)
+        add_option("-o", "--output", required=True, metavar="FILE", help="picture to write: .png, .svg or .pdf")
+        add_option("--force", action="store_true", help="replace an existing file")
+        _add_digits(add_option)
         return
-    add("-o", "--output", default="-", metavar="FILE", help="output file (default: CSV on standard output)")
-    add("--json", action="store_true", help="print a frame, or the summary, as JSON")
-    add("--si", action="store_true", help="also write position and speed in SI units (a file needs a column 'time')")
-    add("--write", choices=("parquet", "arrow", "csv"), help="output format (default: by extension, else csv)")
-    add(
+    add_option("-o", "--output", default="-", metavar="FILE", help="output file (default: CSV on standard output)")
+    add_option("--json", action="store_true", help="print a frame, or the summary, as JSON")
+    add_option(
+        "--si", action="store_true", help="also write position and speed in SI units (a file needs a column 'time')"
+    )
+    add_option("--write", choices=("parquet", "arrow", "csv"), help="output format (default: by extension, else csv)")
+    add_option(
         "--columns",
         type=_parse_names,
         default=(),
         metavar="NAME,...",
         help="columns to write, also of FILE (default: all)",
     )
-    add("--raw", action="store_true", help="write the position of every frame, even if it is not usable")
-    _add_max_errors(add, "frames have an error")
-    add("--limit", type=count, metavar="COUNT", help="decode at most this many frames")
-    add("--force", action="store_true", help="replace an existing file")
+    add_option("--raw", action="store_true", help="write the position of every frame, even if it is not usable")
+    _add_max_errors(add_option, "frames have an error")
+    add_option("--limit", type=count, metavar="COUNT", help="decode at most this many frames")
+    add_option("--force", action="store_true", help="replace an existing file")
 
 
 def add_record(parser: argparse.ArgumentParser) -> None:
     """Add the options for the file of live readings."""
-    add = parser.add_argument_group("output").add_argument
-    add("-o", "--output", default="", metavar="FILE", help="table to write, or - for standard output")
-    add("--write", choices=("csv", "jsonl", "parquet"), help="output format (default: by extension, else csv)")
-    _add_max_errors(add, "readings failed")
-    add("--force", action="store_true", help="replace an existing file")
+    add_option = parser.add_argument_group("output").add_argument
+    add_option("-o", "--output", default="", metavar="FILE", help="table to write, or - for standard output")
+    add_option("--write", choices=("csv", "jsonl", "parquet"), help="output format (default: by extension, else csv)")
+    _add_max_errors(add_option, "readings failed")
+    add_option("--force", action="store_true", help="replace an existing file")
 
 
 def add_input(parser: argparse.ArgumentParser) -> None:
     """Add the options for the file of frames."""
-    add = parser.add_argument_group("input").add_argument
-    add("--read", choices=("binary", "csv", "parquet"), help="input format (default: by extension, else binary)")
+    add_option = parser.add_argument_group("input").add_argument
+    add_option("--read", choices=("binary", "csv", "parquet"), help="input format (default: by extension, else binary)")
     words = ("packed", "little", "big", "little32", "big32")
-    add("--words", choices=words, default="packed", metavar="FORM", help=f"form of binary frames: {', '.join(words)}")
-    add("--column", default="", metavar="NAME", help="column with the frames, in CSV also its number from 1")
-    _add_digits(add)
-    add("--cut", action="store_true", help="ignore an incomplete frame at the end")
+    add_option(
+        "--words", choices=words, default="packed", metavar="FORM", help=f"form of binary frames: {', '.join(words)}"
+    )
+    add_option("--column", default="", metavar="NAME", help="column with the frames, in CSV also its number from 1")
+    _add_digits(add_option)
+    add_option("--cut", action="store_true", help="ignore an incomplete frame at the end")
 
 
-def _add_max_errors(add: Callable[..., object], failure: str) -> None:
+def _add_max_errors(add_option: Callable[..., object], failure: str) -> None:
     """Add the option ``--max-errors``.
 
     ``failure`` describes what is counted, for the help: ``frames have an error``.
     """
-    add(
+    add_option(
         "--max-errors",
         type=_parse_percent,
         default=DEFAULT_MAX_ERRORS,
@@ -98,18 +104,18 @@ def _add_max_errors(add: Callable[..., object], failure: str) -> None:
     )
 
 
-def _add_digits(add: Callable[..., object]) -> None:
+def _add_digits(add_option: Callable[..., object]) -> None:
     """Add the option ``--digits``."""
-    add("--digits", choices=("hex", "decimal"), help="base of numbers in text without 0x")
+    add_option("--digits", choices=("hex", "decimal"), help="base of numbers in text without 0x")
 
 
 def add_encoder(parser: argparse.ArgumentParser) -> None:
     """Add the options that select the encoder and its frames."""
-    add = parser.add_argument_group("encoder").add_argument
+    add_option = parser.add_argument_group("encoder").add_argument
     interfaces = [interface.value for interface in Interface]
-    add("--interface", choices=interfaces, help="reject an order code with another interface")
-    add("--layout", default="", metavar="NAME", help="kind of the frames, if the encoder sends several")
-    add(
+    add_option("--interface", choices=interfaces, help="reject an order code with another interface")
+    add_option("--layout", default="", metavar="NAME", help="kind of the frames, if the encoder sends several")
+    add_option(
         "--register",
         action="append",
         type=_parse_register,
@@ -117,7 +123,7 @@ def add_encoder(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS=BYTE",
         help="register byte that affects frames, such as 0x56=0x10 (else the factory default); repeatable",
     )
-    add(
+    add_option(
         "--choose",
         action="append",
         type=_parse_answer,

@@ -62,43 +62,44 @@ class Recorder(Protocol):
 class _Csv:
     """CSV with a header. Each row is written immediately, so that another program can follow the file.
 
-    Without a file, rows go to standard output. ``_own_file`` is the text layer over a file, which the caller closes.
+    Without a file, rows go to standard output. ``_opened_file`` is the text layer over a file, which the caller closes.
     """
 
     def __init__(self, file: Any) -> None:
-        self._own_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
-        self._out = self._own_file or sys.stdout
-        self._write_row: Callable[[Any], object] = csv.writer(self._out, lineterminator="\n").writerow
+        self._opened_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
+        self._output = self._opened_file or sys.stdout
+        self._write_row: Callable[[Any], object] = csv.writer(self._output, lineterminator="\n").writerow
         self._write_row(RecordedReading._fields)
 
     def write(self, reading: RecordedReading) -> None:
         self._write_row(reading._replace(time=_round(reading.time)))
-        self._out.flush()
+        self._output.flush()
 
     def close(self) -> None:
-        self._out.flush()
-        if self._own_file is not None:
-            self._own_file.detach()
+        self._output.flush()
+        if self._opened_file is not None:
+            self._opened_file.detach()
 
 
 class _JsonLines:
     """One JSON object per line.
 
-    Without a file, lines go to standard output. ``_own_file`` is the text layer over a file, which the caller closes.
+    Without a file, lines go to standard output. ``_opened_file`` is the text layer over a file, which the caller
+    closes.
     """
 
     def __init__(self, file: Any) -> None:
-        self._own_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
-        self._out = self._own_file or sys.stdout
+        self._opened_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
+        self._output = self._opened_file or sys.stdout
 
     def write(self, reading: RecordedReading) -> None:
-        self._out.write(json.dumps(reading._replace(time=_round(reading.time))._asdict()) + "\n")
-        self._out.flush()
+        self._output.write(json.dumps(reading._replace(time=_round(reading.time))._asdict()) + "\n")
+        self._output.flush()
 
     def close(self) -> None:
-        self._out.flush()
-        if self._own_file is not None:
-            self._own_file.detach()
+        self._output.flush()
+        if self._opened_file is not None:
+            self._opened_file.detach()
 
 
 class _Parquet:

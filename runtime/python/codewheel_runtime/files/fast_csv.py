@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, BinaryIO, Final, NamedTuple
 
-from ..bulk.shape import Shape
+from ..bulk.shape import FrameLayout
 from ..bulk.words import DigitKind
 from ..packages import load
 from .inputs import FIRST
@@ -47,12 +47,12 @@ def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:
     ``data`` is the part of the file that was read before. A line that is longer than a block ends the iteration,
     because the file is not CSV.
     """
-    while more := file.read(BLOCK):
-        data += more
-        end = data.rfind(b"\n") + 1
-        if end:
-            yield data[:end]
-            data = data[end:]
+    while next_data := file.read(BLOCK):
+        data += next_data
+        lines_end = data.rfind(b"\n") + 1
+        if lines_end:
+            yield data[:lines_end]
+            data = data[lines_end:]
         elif len(data) > BLOCK:
             break
     if data:
@@ -111,7 +111,7 @@ class BlockReader:
         frame_column: Index of the column of frames.
         kept_columns: Index and name of each other column to keep.
         delimiter: Character between two cells.
-        shape: Description of the frames.
+        layout: Description of the frames.
         digits: Base of numbers without ``0x``.
 
     Raises:
@@ -124,13 +124,13 @@ class BlockReader:
         frame_column: int,
         kept_columns: Sequence[tuple[int, str]],
         delimiter: str,
-        shape: Shape,
+        layout: FrameLayout,
         digits: DigitKind | None,
     ) -> None:
         self._pyarrow: Any = load("pyarrow")
         self._pyarrow_compute: Any = load("pyarrow.compute")
         self._pyarrow_csv: Any = load("pyarrow.csv")
-        self._frame_bytes = shape.length
+        self._frame_bytes = layout.byte_count
         self._digits: DigitKind | None = digits
         self._kept_names = [name for _, name in kept_columns]
         # Columns are named by their index, because names in the file can be equal.
@@ -222,24 +222,24 @@ def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
     return cells.cast(pa.uint64()).to_numpy(zero_copy_only=False)
 
 
-def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
+def _read_bytes(cells: Any, frame_bytes: int, pc: Any) -> Any:
     """Return the hexadecimal bytes in cells as an array with a row for each cell.
 
     Return None if there is no cell, or if a cell has a different length or is not hexadecimal. ``pc`` is the module
     ``pyarrow.compute``.
     """
     cells_without_spaces = pc.replace_substring(cells, " ", "")
-    count = len(cells_without_spaces)
+    cell_count = len(cells_without_spaces)
     # Arrow stores the characters of all cells one after another in ``data``. Another buffer has the place of each cell
     # there, and the end of the last one. The array can be a slice of a longer array, which begins at ``first_cell``.
-    _, places_buffer, data = cells_without_spaces.buffers()
+    _, starts_buffer, data = cells_without_spaces.buffers()
     first_cell = cells_without_spaces.offset
-    places = np.frombuffer(places_buffer, np.int32)[first_cell : first_cell + count + 1]
-    cell_lengths = np.diff(places)
-    digits_per_cell = 2 * length
-    if not count or (cell_lengths != digits_per_cell).any():
+    cell_starts = np.frombuffer(starts_buffer, np.int32)[first_cell : first_cell + cell_count + 1]
+    cell_lengths = np.diff(cell_starts)
+    digits_per_cell = 2 * frame_bytes
+    if not cell_count or (cell_lengths != digits_per_cell).any():
         return None
-    characters = np.frombuffer(data, np.uint8, count=digits_per_cell * count, offset=int(places[0]))
+    characters = np.frombuffer(data, np.uint8, count=digits_per_cell * cell_count, offset=int(cell_starts[0]))
     digits = _HEX_DIGIT_VALUES[characters]
     # 255 represents a character that is not a hexadecimal digit.
     if digits.max() > 15:
@@ -247,4 +247,4 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     # Each cell has an even number of digits, so this also holds across the cells.
     high_digits = digits[::2]
     low_digits = digits[1::2]
-    return ((high_digits << 4) | low_digits).reshape(count, length)
+    return ((high_digits << 4) | low_digits).reshape(cell_count, frame_bytes)

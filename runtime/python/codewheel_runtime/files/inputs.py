@@ -34,25 +34,26 @@ class StorageFormat(NamedTuple):
 
     Attributes:
         kind: Format of the file. The default depends on its extension.
-        words: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
+        word_form: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
             first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
             ``big32`` of four bytes.
-        column: Name of the column with the frames. For CSV, this may be its number, from 1. Empty for the default.
-        digits: Base of numbers in text without ``0x`` or ``0b``.
-        cut: True to ignore an incomplete frame at the end.
-        wanted: Names of the other columns to keep. Empty to keep all.
+        frame_column: Name of the column with the frames. For CSV, this may be its number, from 1. Empty for the
+            default.
+        number_base: Base of numbers in text without ``0x`` or ``0b``.
+        ignores_incomplete_frame: True to ignore an incomplete frame at the end.
+        wanted_columns: Names of the other columns to keep. Empty to keep all.
     """
 
     kind: FileKind | None = None
-    words: WordKind = "packed"
-    column: str = ""
-    digits: DigitKind | None = None
-    cut: bool = False
-    wanted: Sequence[str] = ()
+    word_form: WordKind = "packed"
+    frame_column: str = ""
+    number_base: DigitKind | None = None
+    ignores_incomplete_frame: bool = False
+    wanted_columns: Sequence[str] = ()
 
     def keeps(self, name: str) -> bool:
         """Return whether the column ``name``, which does not contain the frames, must be kept."""
-        return not self.wanted or name in self.wanted
+        return not self.wanted_columns or name in self.wanted_columns
 
 
 class FrameBatch(NamedTuple):
@@ -70,58 +71,59 @@ class FrameBatch(NamedTuple):
 class Source(NamedTuple):
     """Frames of a file, the total amount of data if known, and the other columns.
 
-    ``names`` lists all other columns. ``empty_columns`` contains an empty column for each that is read.
+    ``other_names`` lists all other columns. ``empty_columns`` contains an empty column for each that is read.
     """
 
-    parts: Generator[FrameBatch, None, None]
-    total: int | None
-    names: tuple[str, ...] = ()
+    batches: Generator[FrameBatch, None, None]
+    total_amount: int | None
+    other_names: tuple[str, ...] = ()
     empty_columns: Mapping[str, Any] = MappingProxyType({})
 
 
 def select_columns(
-    names: Iterable[str], storage: StorageFormat, make_empty_column: Callable[[str], Any], file: str
+    column_names: Iterable[str], storage: StorageFormat, make_empty_column: Callable[[str], Any], file_name: str
 ) -> dict[str, Any]:
     """Return empty columns for the names that the storage format keeps, by name.
 
-    Each column is created by ``make_empty_column``. ``names`` are the names of all columns except the column of frames.
-    ``file`` is the name of the file, for errors.
+    Each column is created by ``make_empty_column``. ``column_names`` are the names of all columns except the column of
+    frames. ``file_name`` is the name of the file, for errors.
 
     Raises:
         UsageError: Two of these columns have the same name.
     """
-    columns: dict[str, Any] = {}
-    for name in filter(storage.keeps, names):
-        if name in columns:
-            raise UsageError(f"{file} has two columns {quote(name)}; rename one, or select the columns")
-        columns[name] = make_empty_column(name)
-    return columns
+    empty_columns: dict[str, Any] = {}
+    for name in filter(storage.keeps, column_names):
+        if name in empty_columns:
+            raise UsageError(f"{file_name} has two columns {quote(name)}; rename one, or select the columns")
+        empty_columns[name] = make_empty_column(name)
+    return empty_columns
 
 
-def find_column(names: list[str], wanted: str, file: str) -> str:
+def find_column(column_names: list[str], requested_name: str, file_name: str) -> str:
     """Return the name of the column with the frames: the requested or only column, or one with a default name.
 
-    ``names`` are the names of all columns, and ``wanted`` is the requested name, or empty. ``file`` is for errors.
+    ``column_names`` are the names of all columns, and ``requested_name`` is the requested name, or empty. ``file_name``
+    is for errors.
 
     Raises:
         InputError: The column does not exist, or there are several such columns.
     """
-    if wanted:
-        if names.count(wanted) == 1:
-            return wanted
-        problem = "several columns" if wanted in names else "no column"
-        raise InputError(file, f"{problem} {quote(wanted)}; the columns are {list_names(names)}")
-    index = find_usual_column(names)
-    if index is None:
-        raise InputError(file, f"choose the column with the frames; the columns are {list_names(names)}")
-    return names[index]
+    if requested_name:
+        if column_names.count(requested_name) == 1:
+            return requested_name
+        problem = "several columns" if requested_name in column_names else "no column"
+        raise InputError(file_name, f"{problem} {quote(requested_name)}; the columns are {list_names(column_names)}")
+    usual_index = find_usual_column(column_names)
+    if usual_index is None:
+        raise InputError(file_name, f"choose the column with the frames; the columns are {list_names(column_names)}")
+    return column_names[usual_index]
 
 
-def find_usual_column(names: list[str]) -> int | None:
+def find_usual_column(column_names: list[str]) -> int | None:
     """Return the index of the only column or the only column named ``frame`` or ``word``, otherwise None."""
-    if len(names) == 1:
+    if len(column_names) == 1:
         return 0
-    usual_indices = [index for index, name in enumerate(names) if name.lower() in _DEFAULT_COLUMNS]
+    usual_indices = [index for index, name in enumerate(column_names) if name.lower() in _DEFAULT_COLUMNS]
     return usual_indices[0] if len(usual_indices) == 1 else None
 
 

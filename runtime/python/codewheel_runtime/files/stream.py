@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeVar, cast
 
 from ..bulk.decode import decode_many
-from ..bulk.shape import Shape
+from ..bulk.shape import FrameLayout
 from ..bulk.table import FrameSource, Table
 from ..bulk.words import DigitKind, WordKind
 from ..codec import whole_number
@@ -20,7 +20,7 @@ from ..errors import ErrorKind, InputError, UsageError
 from ..packages import load
 from ..reports import Verdict
 from .inputs import FileKind, Source, StorageFormat, read_seconds
-from .layouts import Layout, find_shape
+from .layouts import FrameKind, find_frame_layout
 from .partitions import PartitionDecoder, check_distinct_names
 from .sinks import SINKS, Plan, Sink, TargetKind, find_target_kind
 from .sources import open_source
@@ -30,8 +30,8 @@ np: Any = load("numpy")
 
 __all__ = [
     "Files",
+    "FrameKind",
     "InputError",
-    "Layout",
     "Summary",
     "UsageError",
 ]
@@ -118,11 +118,10 @@ class Files(NamedTuple):
     ) -> Summary:
         """Decode a file of frames into a file of columns, in bounded memory.
 
-        Each frame becomes a row. The other columns of the file come first. They are unchanged, except that a column of
-        CSV becomes numbers in Parquet and Arrow if its first cells are numbers. Later cells that are not numbers
-        are left empty, and counted as ``lost``. The position is empty if it is not usable, or if the frame has an
-        error. The error is in ``fault``. A cell without a frame becomes a row with a length error. The target file
-        appears only when it is complete. On error, no file is created and an existing file is left unchanged.
+        Each frame becomes a row, after the other columns of the file. A column of CSV becomes numbers in Parquet and
+        Arrow if its first cells are numbers. Later cells that are not numbers are left empty, and counted as ``lost``.
+        The position is empty if it is not usable. ``fault`` contains the error of a frame. A cell without a frame has a
+        length error. The target file appears only when it is complete.
 
         Args:
             encoder: The encoder, or its label.
@@ -131,14 +130,13 @@ class Files(NamedTuple):
             layout: Kind of the frames, if the encoder sends several kinds.
             to: Format to write: ``parquet``, ``arrow`` or ``csv``. The default follows from the name of the file.
             kind: Format to read: ``binary``, ``csv`` or ``parquet``. The default follows from the name of the file.
-            words: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
-                first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
-                ``big32`` of four bytes.
+            words: Form of a frame of bits in a binary file: ``packed`` (as few bytes as possible, most significant
+                first), ``little`` and ``big`` (numbers of eight bytes), ``little32`` and ``big32`` (of four bytes).
             column: Name of the column with the frames. For CSV, this may be its number, from 1.
             digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
             cut: Ignore an incomplete frame at the end.
             si: Also write the position and the speed in SI units. The source needs a column ``time`` in seconds.
-            columns: Columns to write, both decoded columns and columns of the file. The default is all.
+            columns: Decoded columns and columns of the file to write. The default is all.
             limit: Maximum number of frames to decode.
             raw: Write the position of every frame, even if it is not usable.
             force: Replace an existing file.
@@ -149,19 +147,18 @@ class Files(NamedTuple):
             Counts of frames, of each error and of each verdict.
 
         Raises:
-            InputError: The source does not contain such frames. The message says where. This error is also raised if
-                many of the first 1000 frames have an error but would be valid with other ``words`` or ``digits``. The
-                message then suggests them.
+            InputError: The source does not contain such frames, or many of the first 1000 frames would only be valid
+                with other ``words`` or ``digits``.
             UsageError: The arguments are wrong or incompatible with each other.
             OSError: A file cannot be read or written.
         """
         encoder = self._find_encoder(encoder)
-        shape = find_shape(encoder, layout, answers)
+        frame_layout = find_frame_layout(encoder, layout, answers)
         output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
         # Speeds need the times, even if the column is not written.
         wanted = (*columns, "time") if si and columns else columns
         storage = StorageFormat(kind, words, column, digits, cut, wanted)
-        return _decode_file(encoder, shape, os.fspath(source), storage, output, limit, progress)
+        return _decode_file(encoder, frame_layout, os.fspath(source), storage, output, limit, progress)
 
     def decode_partition(
         self,
@@ -201,7 +198,7 @@ class Files(NamedTuple):
             UsageError: The arguments are wrong or incompatible with each other.
         """
         encoder = self._find_encoder(encoder)
-        decoder = PartitionDecoder(encoder, find_shape(encoder, layout, answers), column, digits, raw)
+        decoder = PartitionDecoder(encoder, find_frame_layout(encoder, layout, answers), column, digits, raw)
         return cast(_Part, decoder.decode(part))
 
     def _find_encoder(self, encoder: Encoder | str) -> Encoder:
@@ -248,7 +245,7 @@ def find_target_format(target: str | os.PathLike[str], to: TargetKind | None) ->
 
 def _decode_file(
     encoder: Encoder,
-    shape: Shape,
+    frame_layout: FrameLayout,
     source: str,
     storage: StorageFormat,
     output: Output,
@@ -266,24 +263,24 @@ def _decode_file(
         InputError: The source does not contain such frames.
     """
     # A table without frames shows which columns the result has.
-    empty_result = decode_many([], shape, encoder)
+    empty_result = decode_many([], frame_layout, encoder)
     speed_columns = SpeedColumns("time", source) if output.si else None
     if speed_columns is not None:
         empty_result = speed_columns.extend_empty(empty_result.with_columns(time=np.zeros(0)))
 
     def find_valid_fraction(frames: Any) -> float:
         """Return the fraction of valid frames."""
-        return float(decode_many(frames, shape, encoder).ok.mean())
+        return float(decode_many(frames, frame_layout, encoder).ok.mean())
 
     with (
-        open_source(source, storage, shape, find_valid_fraction) as frame_source,
+        open_source(source, storage, frame_layout, find_valid_fraction) as frame_source,
         open_for_writing(output.target, [source], output.force) as file,
     ):
         if speed_columns is not None:
             _check_columns_for_speeds(frame_source, empty_result, source)
         plan = make_plan(empty_result, frame_source, output.columns, source, output.raw)
         with SINKS[output.kind](file, plan) as sink:
-            return decode_parts(frame_source, shape, encoder, sink, limit, progress, speed_columns)
+            return decode_parts(frame_source, frame_layout, encoder, sink, limit, progress, speed_columns)
 
 
 def _check_columns_for_speeds(frame_source: Source, empty_result: Table, source: str) -> None:
@@ -299,7 +296,7 @@ def _check_columns_for_speeds(frame_source: Source, empty_result: Table, source:
 
 def decode_parts(
     frame_source: Source,
-    shape: Shape,
+    frame_layout: FrameLayout,
     encoder: FrameSource | None,
     sink: Sink,
     limit: int | None = None,
@@ -320,21 +317,21 @@ def decode_parts(
     if limit is not None and whole_number("limit", limit) < 0:
         raise UsageError(f"limit must be at least 0, got {limit}")
     counts = _Counts()
-    for part in frame_source.parts:
+    for part in frame_source.batches:
         # The first rows up to the limit. A slice up to None takes all rows.
         rows_left = None if limit is None else limit - counts.frames
         rows = slice(rows_left)
-        table = decode_many(part.frames[rows], shape, encoder)
+        table = decode_many(part.frames[rows], frame_layout, encoder)
         counts.add(table)
         if len(table.fault):
             other_columns = {name: column[rows] for name, column in part.other_columns.items()}
             extended_table = table if add_columns is None else add_columns(table, other_columns)
             sink.write(extended_table, other_columns)
         if progress is not None:
-            progress(part.amount_read, frame_source.total, counts.frames)
+            progress(part.amount_read, frame_source.total_amount, counts.frames)
         if limit is not None and counts.frames >= limit:
             break
-    return counts.summary(sink.lost)
+    return counts.summary(sink.lost_cell_count)
 
 
 class SpeedColumns:
@@ -423,7 +420,7 @@ def make_plan(empty_result: Table, frame_source: Source, columns: Sequence[str],
     Raises:
         UsageError: A requested column does not exist, or a column of the file has the name of a field.
     """
-    existing_names = [*frame_source.names, *empty_result.names]
+    existing_names = [*frame_source.other_names, *empty_result.names]
     unknown_names = [name for name in columns if name not in existing_names]
     if unknown_names:
         raise UsageError(f"no column '{unknown_names[0][:40]}'; the columns are {', '.join(existing_names)}")
@@ -432,4 +429,4 @@ def make_plan(empty_result: Table, frame_source: Source, columns: Sequence[str],
     written_names = columns or (*frame_source.empty_columns, *empty_result.names)
     # Each name is written once, in the order of its first occurrence.
     names = tuple(dict.fromkeys(written_names))
-    return Plan(names=names, source_columns=frame_source.empty_columns, empty=empty_result, raw=raw)
+    return Plan(names=names, source_columns=frame_source.empty_columns, empty_table=empty_result, raw=raw)

@@ -10,7 +10,16 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
-from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, ReportCause, Shape, VerdictCause, compare_bits
+from codewheel_runtime.bulk.shape import (
+    Check,
+    Column,
+    CrcOf,
+    Fold,
+    FrameLayout,
+    ReportCause,
+    VerdictCause,
+    compare_bits,
+)
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.errors import ErrorKind
 from codewheel_runtime.reports import Verdict
@@ -37,19 +46,19 @@ from ..icmu import (
 
 
 @lru_cache(maxsize=None)
-def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
+def layout_of_single_cycle_data(variant: BissEncoder) -> FrameLayout:
     """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=variant.zero_bits + variant.position_bits + 8,
-        # Columns of the result. `low` is the lowest bit of the field.
+    return FrameLayout(
+        bit_count=variant.zero_bits + variant.position_bits + 8,
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("position", low=variant.zero_bits + 8, width=variant.position_bits),
-            Column("error", low=7, width=1, kind="not_flag"),
-            Column("warning", low=6, width=1, kind="not_flag"),
+            Column("position", lowest_bit=variant.zero_bits + 8, width=variant.position_bits),
+            Column("error", lowest_bit=7, width=1, value_kind="not_flag"),
+            Column("warning", lowest_bit=6, width=1, value_kind="not_flag"),
         ),
         # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
-            Check(low=8, width=variant.zero_bits, fault=ErrorKind.CONSTANT, values=(0,)),
+            Check(lowest_bit=8, width=variant.zero_bits, error_kind=ErrorKind.CONSTANT, allowed_values=(0,)),
         ),
         # Conditions of each verdict, the most severe first.
         verdict_causes=(
@@ -71,9 +80,9 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
         crc=CrcOf(
-            low=0,
+            lowest_bit=0,
             width=6,
-            differs=compare_bits(crc_biss_6, covered=variant.zero_bits + variant.position_bits + 2, width=6),
+            find_difference=compare_bits(crc_biss_6, covered=variant.zero_bits + variant.position_bits + 2, width=6),
             xorout=63,
             steps=(
                 Fold(shift=12, mask=0xFFF, back=2),
@@ -90,15 +99,15 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_mode() -> Shape:
+def layout_of_register_mode() -> FrameLayout:
     """Return the layout of ``Mode``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("modea", low=0, width=3, kind="choice", values=Modea),
+            Column("modea", lowest_bit=0, width=3, value_kind="choice", allowed_values=Modea),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -110,16 +119,16 @@ def shape_of_register_mode() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_output_length() -> Shape:
+def layout_of_register_output_length() -> FrameLayout:
     """Return the layout of ``OutputLength``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("out_zero", low=5, width=3),
-            Column("out_msb", low=0, width=5),
+            Column("out_zero", lowest_bit=5, width=3),
+            Column("out_msb", lowest_bit=0, width=5),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -130,18 +139,18 @@ def shape_of_register_output_length() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_output_selection() -> Shape:
+def layout_of_register_output_selection() -> FrameLayout:
     """Return the layout of ``OutputSelection``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("gssi", low=7, width=1, kind="flag"),
-            Column("rssi", low=6, width=1, kind="flag"),
-            Column("mode_st", low=4, width=2, kind="choice", values=ModeSt),
-            Column("out_lsb", low=0, width=4),
+            Column("gssi", lowest_bit=7, width=1, value_kind="flag"),
+            Column("rssi", lowest_bit=6, width=1, value_kind="flag"),
+            Column("mode_st", lowest_bit=4, width=2, value_kind="choice", allowed_values=ModeSt),
+            Column("out_lsb", lowest_bit=0, width=4),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -154,15 +163,15 @@ def shape_of_register_output_selection() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_bank() -> Shape:
+def layout_of_register_bank() -> FrameLayout:
     """Return the layout of ``Bank``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("bank", low=0, width=5),
+            Column("bank", lowest_bit=0, width=5),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -174,15 +183,15 @@ def shape_of_register_bank() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_eds_bank() -> Shape:
+def layout_of_register_eds_bank() -> FrameLayout:
     """Return the layout of ``EdsBank``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("eds_bank", low=0, width=8),
+            Column("eds_bank", lowest_bit=0, width=8),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -192,15 +201,15 @@ def shape_of_register_eds_bank() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_profile_id() -> Shape:
+def layout_of_register_profile_id() -> FrameLayout:
     """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=16,
-        length=2,
+    return FrameLayout(
+        bit_count=16,
+        byte_count=2,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("profile_id", low=0, width=16),
+            Column("profile_id", lowest_bit=0, width=16),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -210,15 +219,15 @@ def shape_of_register_profile_id() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_serial_number() -> Shape:
+def layout_of_register_serial_number() -> FrameLayout:
     """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=32,
-        length=4,
+    return FrameLayout(
+        bit_count=32,
+        byte_count=4,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("serial_number", low=0, width=32),
+            Column("serial_number", lowest_bit=0, width=32),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -228,15 +237,15 @@ def shape_of_register_serial_number() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_event_count() -> Shape:
+def layout_of_register_event_count() -> FrameLayout:
     """Return the layout of ``EventCount``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("event_count", low=0, width=8),
+            Column("event_count", lowest_bit=0, width=8),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -246,15 +255,15 @@ def shape_of_register_event_count() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_hardware_revision() -> Shape:
+def layout_of_register_hardware_revision() -> FrameLayout:
     """Return the layout of ``HardwareRevision``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("hardware_revision", low=0, width=8),
+            Column("hardware_revision", lowest_bit=0, width=8),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -264,19 +273,19 @@ def shape_of_register_hardware_revision() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_status0() -> Shape:
+def layout_of_register_status0() -> FrameLayout:
     """Return the layout of ``Status0``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("stup", low=4, width=1, kind="flag"),
-            Column("an_max", low=3, width=1, kind="flag"),
-            Column("an_min", low=2, width=1, kind="flag"),
-            Column("am_max", low=1, width=1, kind="flag"),
-            Column("am_min", low=0, width=1, kind="flag"),
+            Column("stup", lowest_bit=4, width=1, value_kind="flag"),
+            Column("an_max", lowest_bit=3, width=1, value_kind="flag"),
+            Column("an_min", lowest_bit=2, width=1, value_kind="flag"),
+            Column("am_max", lowest_bit=1, width=1, value_kind="flag"),
+            Column("am_min", lowest_bit=0, width=1, value_kind="flag"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -292,22 +301,22 @@ def shape_of_register_status0() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_status1() -> Shape:
+def layout_of_register_status1() -> FrameLayout:
     """Return the layout of ``Status1``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=8,
-        length=1,
+    return FrameLayout(
+        bit_count=8,
+        byte_count=1,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("crc_err", low=7, width=1, kind="flag"),
-            Column("epr_err", low=6, width=1, kind="flag"),
-            Column("mt_err", low=5, width=1, kind="flag"),
-            Column("mt_ctr", low=4, width=1, kind="flag"),
-            Column("non_ctr", low=3, width=1, kind="flag"),
-            Column("frq_abz", low=2, width=1, kind="flag"),
-            Column("frq_cnv", low=1, width=1, kind="flag"),
-            Column("cmd_exe", low=0, width=1, kind="flag"),
+            Column("crc_err", lowest_bit=7, width=1, value_kind="flag"),
+            Column("epr_err", lowest_bit=6, width=1, value_kind="flag"),
+            Column("mt_err", lowest_bit=5, width=1, value_kind="flag"),
+            Column("mt_ctr", lowest_bit=4, width=1, value_kind="flag"),
+            Column("non_ctr", lowest_bit=3, width=1, value_kind="flag"),
+            Column("frq_abz", lowest_bit=2, width=1, value_kind="flag"),
+            Column("frq_cnv", lowest_bit=1, width=1, value_kind="flag"),
+            Column("cmd_exe", lowest_bit=0, width=1, value_kind="flag"),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -324,15 +333,15 @@ def shape_of_register_status1() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_device_id() -> Shape:
+def layout_of_register_device_id() -> FrameLayout:
     """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=48,
-        length=6,
+    return FrameLayout(
+        bit_count=48,
+        byte_count=6,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("device_id", low=0, width=48),
+            Column("device_id", lowest_bit=0, width=48),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -342,15 +351,15 @@ def shape_of_register_device_id() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_register_manufacturer_id() -> Shape:
+def layout_of_register_manufacturer_id() -> FrameLayout:
     """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
-    return Shape(
-        bits=16,
-        length=2,
+    return FrameLayout(
+        bit_count=16,
+        byte_count=2,
         order="big",
-        # Columns of the result. `low` is the lowest bit of the field.
+        # Columns of the result. `lowest_bit` is in the frame.
         columns=(
-            Column("manufacturer_id", low=0, width=16),
+            Column("manufacturer_id", lowest_bit=0, width=16),
         ),
         # All fields, including constants, parity bits and CRCs.
         fields=(
@@ -359,27 +368,27 @@ def shape_of_register_manufacturer_id() -> Shape:
     )
 
 
-#: Frames by interface and sender, each with the function for its shape.
-FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]] = {
+#: Frames by interface and sender, each with the function for its layout.
+FRAMES: Final[Mapping[tuple[str, str], Mapping[str, Callable[..., FrameLayout]]]] = {
     ("biss", "encoder"): {
-        "single_cycle_data": shape_of_single_cycle_data,
+        "single_cycle_data": layout_of_single_cycle_data,
     },
 }
 
 #: Function for the description of each class.
-SHAPES: Final[Mapping[type, Callable[..., Shape]]] = {
-    SingleCycleData: shape_of_single_cycle_data,
-    Mode: shape_of_register_mode,
-    OutputLength: shape_of_register_output_length,
-    OutputSelection: shape_of_register_output_selection,
-    Bank: shape_of_register_bank,
-    EdsBank: shape_of_register_eds_bank,
-    ProfileId: shape_of_register_profile_id,
-    SerialNumber: shape_of_register_serial_number,
-    EventCount: shape_of_register_event_count,
-    HardwareRevision: shape_of_register_hardware_revision,
-    Status0: shape_of_register_status0,
-    Status1: shape_of_register_status1,
-    DeviceId: shape_of_register_device_id,
-    ManufacturerId: shape_of_register_manufacturer_id,
+LAYOUTS: Final[Mapping[type, Callable[..., FrameLayout]]] = {
+    SingleCycleData: layout_of_single_cycle_data,
+    Mode: layout_of_register_mode,
+    OutputLength: layout_of_register_output_length,
+    OutputSelection: layout_of_register_output_selection,
+    Bank: layout_of_register_bank,
+    EdsBank: layout_of_register_eds_bank,
+    ProfileId: layout_of_register_profile_id,
+    SerialNumber: layout_of_register_serial_number,
+    EventCount: layout_of_register_event_count,
+    HardwareRevision: layout_of_register_hardware_revision,
+    Status0: layout_of_register_status0,
+    Status1: layout_of_register_status1,
+    DeviceId: layout_of_register_device_id,
+    ManufacturerId: layout_of_register_manufacturer_id,
 }

@@ -9,7 +9,6 @@ rarely need them.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Final
 
 from codewheel_runtime.facts import (
@@ -34,7 +33,7 @@ from codewheel_runtime.facts import (
     Timing,
 )
 from codewheel_runtime.order_codes import OrderCode, Part, PartValue
-from codewheel_runtime.reports import Report, Reports, Verdict
+from codewheel_runtime.reports import ReadOnly, Report, Reports, Verdict
 
 MANUAL: Final = Manual(
     title="iC-MU magnetic off-axis position encoder - pole width 1.28 mm",
@@ -131,7 +130,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
 )
 
 #: Facts about the fields of each frame, by the name of the frame.
-FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
+FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = ReadOnly(
     {
         "single_cycle_data": (
             FieldFacts(name="position", meaning="Position as configured", unit="counts"),
@@ -144,7 +143,7 @@ FRAMES: Final[Mapping[str, tuple[FieldFacts, ...]]] = MappingProxyType(
 )
 
 #: Facts about each register, by its name.
-REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
+REGISTERS: Final[Mapping[str, Register]] = ReadOnly(
     {
         "mode": Register(
             name="mode",

@@ -33,7 +33,7 @@ class Master:
         self.data = b""
         self._phase = Phase.WAIT
         #: One request for each register of the access.
-        self._requests: tuple[Request, ...] = ()
+        self._register_requests: tuple[Request, ...] = ()
         #: Number of zeros that were sent since the last 1.
         self._zeros = 0
         #: Number of CDS bits in ``_answer_bits``.
@@ -102,7 +102,7 @@ class Master:
         self.data = b""
         self._bit_count = self._answer_bits = 0
         self._phase = Phase.WAIT
-        self._requests = tuple(Request(slave_id, address + index, value) for index, value in enumerate(values))
+        self._register_requests = tuple(Request(slave_id, address + index, value) for index, value in enumerate(values))
         self._busy_limit = busy_limit
         # The highest 17 of 32 bits: CTS to W.
         self._bits_to_send = first_word >> 15
@@ -167,7 +167,7 @@ class Master:
         id_lock_bits = self._answer_bits >> 2
         self.slaves = count_slaves(id_lock_bits)
         # The header belongs to the first register.
-        first_request = self._requests[0]
+        first_request = self._register_requests[0]
         outcome = first_request._check_echo(self._answer_bits)
         return self._request_register() if outcome is Outcome.RUNNING else self._end_access(outcome)
 
@@ -190,7 +190,7 @@ class Master:
             return 1
         self._phase = Phase.BYTE
         self._bit_count = self._answer_bits = 0
-        value = self._requests[self.done].value
+        value = self._register_requests[self.done].value
         self._bits_to_send = 0 if value is None else encode_byte(value)
         return bit_at(self._bits_to_send, BYTE_BITS - 1)
 
@@ -208,14 +208,14 @@ class Master:
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
             return bit_at(self._bits_to_send, BYTE_BITS - 1 - self._bit_count)
-        request = self._requests[self.done]
+        request = self._register_requests[self.done]
         outcome, value_read = request._check_data(self._answer_bits)
         if outcome is not Outcome.DONE:
             return self._end_access(outcome)
         if value_read is not None:
             self.data += bytes([value_read])
         self.done += 1
-        is_last = self.done == len(self._requests)
+        is_last = self.done == len(self._register_requests)
         if is_last:
             # The answer to its P does not matter, because it concerns a register that was not requested.
             return self._end_access(Outcome.DONE)

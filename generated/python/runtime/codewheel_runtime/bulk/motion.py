@@ -40,8 +40,8 @@ def unwrap_positions(positions: Any, usable: Any, position_range: PositionRange,
     count_before = first_count if previous is None else previous
     counts = np.concatenate([[count_before, first_count], first_count + np.cumsum(steps)])
     # For each frame, the number of usable positions up to it.
-    usable_so_far = np.cumsum(usable)
-    return counts[usable_so_far].astype(np.int64)
+    usable_counts = np.cumsum(usable)
+    return counts[usable_counts].astype(np.int64)
 
 
 class Motion(NamedTuple):
@@ -70,16 +70,16 @@ def find_motion(counts: Any, times: Any, usable: Any, previous: tuple[int, float
     usable_times = times[usable_rows]
     if previous is None:
         # No position precedes the first usable one.
-        rows = usable_rows[1:]
+        later_rows = usable_rows[1:]
     else:
         previous_count, previous_time = previous
-        rows = usable_rows
+        later_rows = usable_rows
         usable_counts = np.insert(usable_counts, 0, previous_count)
         usable_times = np.insert(usable_times, 0, previous_time)
     elapsed = np.diff(usable_times)
     # The clock can stop or be set back, and a time can be infinite.
     is_later = (elapsed > 0) & np.isfinite(elapsed)
-    return Motion(rows=rows, counts=np.diff(usable_counts), seconds=np.where(is_later, elapsed, np.nan))
+    return Motion(rows=later_rows, counts=np.diff(usable_counts), seconds=np.where(is_later, elapsed, np.nan))
 
 
 def compute_speeds(motion: Motion, unit: str, encoder: Any, count: int) -> Any:

@@ -27,25 +27,25 @@ WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
 )
 
 
-def rows_to_numbers(rows: Any, words: WordKind = "packed") -> Any:
+def rows_to_numbers(rows: Any, word_form: WordKind = "packed") -> Any:
     """Return rows of bytes as 64-bit numbers: the row ``01 02`` as ``0x102``, or little-endian as ``0x201``.
 
     Rows of ``packed`` words have one to eight bytes, most significant first. For other words, each row has as many
     bytes as the word.
     """
-    word_length, byte_order = WORDS[words]
-    is_short_packed_word = not word_length and rows.shape[1] < 8
+    word_bytes, byte_order = WORDS[word_form]
+    is_short_packed_word = not word_bytes and rows.shape[1] < 8
     if is_short_packed_word:
         # Zeros in front make all words eight bytes long.
         padded_rows = np.zeros((len(rows), 8), np.uint8)
         padded_rows[:, 8 - rows.shape[1] :] = rows
         return padded_rows.reshape(-1).view(">u8").astype(np.uint64)
-    word_type = f"{byte_order}u{word_length or 8}"
+    word_type = f"{byte_order}u{word_bytes or 8}"
     return np.ascontiguousarray(rows).reshape(-1).view(word_type).astype(np.uint64, copy=False)
 
 
-def read_floats(frames: Any, bits: int, rows_before: int = 0) -> Any:
-    """Return frames of ``bits`` bits that are floating-point numbers as integers. Missing frames are masked.
+def read_floats(frames: Any, frame_bits: int, rows_before: int = 0) -> Any:
+    """Return frames of ``frame_bits`` bits that are floating-point numbers as integers. Missing frames are masked.
 
     NaN, infinities, negative values, and values from 2**64 up are missing frames, and so are masked values.
     ``rows_before`` is the number of earlier rows, to number the row in an error.
@@ -55,8 +55,8 @@ def read_floats(frames: Any, bits: int, rows_before: int = 0) -> Any:
     """
     # A float has one more significant bit than its stored mantissa.
     significant_bits = np.finfo(frames.dtype).nmant + 1
-    if bits > significant_bits:
-        raise TypeError(f"{frames.dtype} cannot represent every frame of {bits} bits: use integers or text")
+    if frame_bits > significant_bits:
+        raise TypeError(f"{frames.dtype} cannot represent every frame of {frame_bits} bits: use integers or text")
     values = np.ma.getdata(frames)
     is_frame = (values >= 0) & (values < 2.0**64) & ~np.ma.getmaskarray(frames)
     frame_values = np.where(is_frame, values, 0)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, Final, NamedTuple
 
-from ..bulk.shape import Check, Column, CrcOf, Join, Shape, Unused, VerdictCause, compare_bits
+from ..bulk.shape import Check, Column, CrcOf, FrameLayout, Join, Unused, VerdictCause, compare_bits
 from ..bulk.words import quote
 from ..codec import PositionRange, crc_of_bits
 from ..errors import ErrorKind, UsageError
@@ -42,13 +42,13 @@ class BissLayout(NamedTuple):
 
     Attributes:
         text: The layout as text.
-        shape: Its description for ``decode_many``.
+        layout: Its description for ``decode_many``.
         modulus: Number of counts after which the position wraps around.
         counts_per_turn: Number of counts in one revolution. 0 if the layout does not specify it.
     """
 
     text: str
-    shape: Shape
+    layout: FrameLayout
     modulus: int
     counts_per_turn: int
 
@@ -57,8 +57,19 @@ class BissLayout(NamedTuple):
         """The layout as text, instead of an order code."""
         return self.text
 
+    def __eq__(self, other: object) -> bool:
+        # The functions of the CRC in ``layout`` are never equal.
+        return self.text == other.text if isinstance(other, BissLayout) else NotImplemented
+
+    def __ne__(self, other: object) -> bool:
+        # The method of tuples would compare the functions.
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
     def __reduce__(self) -> tuple[Callable[[str], BissLayout], tuple[str]]:
-        """Pickle the text, because the functions of the CRC in ``shape`` cannot be pickled."""
+        """Pickle the text, because the functions of the CRC in ``layout`` cannot be pickled."""
         return biss_layout, (self.text,)
 
     @property
@@ -98,7 +109,7 @@ class BissLayout(NamedTuple):
         """
         from ..bulk.decode import decode_many
 
-        return decode_many(frames, self.shape, encoder=self)
+        return decode_many(frames, self.layout, encoder=self)
 
 
 def biss_layout(text: str) -> BissLayout:
@@ -128,7 +139,7 @@ def biss_layout(text: str) -> BissLayout:
         widths["position"] = widths["singleturn"] + widths.get("multiturn", 0)
     return BissLayout(
         text=text,
-        shape=_make_shape(fields, widths, joins),
+        layout=_make_layout(fields, widths, joins),
         modulus=1 << widths.get("position", 0),
         counts_per_turn=1 << widths["singleturn"] if "singleturn" in widths else 0,
     )
@@ -162,7 +173,7 @@ def _join_position(widths: Mapping[str, int]) -> Join:
     return Join("position", tuple(parts))
 
 
-def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
+def _make_layout(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> FrameLayout:
     """Return the description of a frame with these fields, for ``decode_many``.
 
     ``widths`` contains the width of each column by name, and ``joins`` contains the position if it consists of several
@@ -172,12 +183,12 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
     placed_fields = _place_fields(fields)
     # Without a flag, nothing says whether the position is usable.
     flags = [name for name in _VERDICT_BY_FLAG if name in widths]
-    return Shape(
+    return FrameLayout(
         bits,
-        columns=tuple(_make_column(field, low) for field, low in placed_fields if field.name in widths),
+        columns=tuple(_make_column(field, lowest_bit) for field, lowest_bit in placed_fields if field.name in widths),
         joins=joins,
         unused=tuple(_list_unused_bits(placed_fields)),
-        checks=tuple(_check_zero(field, low) for field, low in placed_fields if field.name == "zero"),
+        checks=tuple(_check_zero(field, lowest_bit) for field, lowest_bit in placed_fields if field.name == "zero"),
         crc=_find_crc(placed_fields, bits),
         position="position" if "position" in widths else "",
         default_verdict=Verdict.USABLE if flags else Verdict.UNKNOWN,
@@ -189,55 +200,56 @@ class _PlacedField(NamedTuple):
     """Field and its lowest bit in the frame."""
 
     field: _Field
-    low: int
+    lowest_bit: int
 
 
 def _place_fields(fields: Sequence[_Field]) -> list[_PlacedField]:
     """Return the fields with their places in the frame. The first field forms the highest bits."""
-    low = sum(field.width for field in fields)
+    lowest_bit = sum(field.width for field in fields)
     placed_fields: list[_PlacedField] = []
     for field in fields:
-        low -= field.width
-        placed_fields.append(_PlacedField(field, low))
+        lowest_bit -= field.width
+        placed_fields.append(_PlacedField(field, lowest_bit))
     return placed_fields
 
 
-def _make_column(field: _Field, low: int) -> Column:
+def _make_column(field: _Field, lowest_bit: int) -> Column:
     """Return the column of a field with a value. The flags of BiSS are active low."""
     is_flag = field.name in _VERDICT_BY_FLAG
-    return Column(field.name, low, field.width, kind="not_flag" if is_flag else "number")
+    return Column(field.name, lowest_bit, field.width, value_kind="not_flag" if is_flag else "number")
 
 
-def _check_zero(field: _Field, low: int) -> Check:
+def _check_zero(field: _Field, lowest_bit: int) -> Check:
     """Return the check that the bits of a field are 0."""
-    return Check(low, field.width, ErrorKind.CONSTANT, values=(0,))
+    return Check(lowest_bit, field.width, ErrorKind.CONSTANT, allowed_values=(0,))
 
 
 def _list_unused_bits(placed_fields: Sequence[_PlacedField]) -> Iterator[Unused]:
     """Yield the unused bits of a frame, which are side by side in the column ``unused``."""
-    place = 0
-    for field, low in placed_fields:
+    bit_in_column = 0
+    for field, lowest_bit in placed_fields:
         if field.name == "unused":
-            yield Unused(low, field.width, value=0, place=place)
-            place += field.width
+            yield Unused(lowest_bit, field.width, value=0, bit_in_column=bit_in_column)
+            bit_in_column += field.width
 
 
 def _find_crc(placed_fields: Sequence[_PlacedField], bits: int) -> CrcOf | None:
     """Return the CRC of a frame of ``bits`` bits, or None without one. It covers all bits before it."""
-    for field, low in placed_fields:
+    for field, lowest_bit in placed_fields:
         if field.name == "crc":
-            return CrcOf(low, field.width, compare_bits(field.crc(), covered=bits - field.width, width=field.width))
+            find_difference = compare_bits(field.crc(), covered=bits - field.width, width=field.width)
+            return CrcOf(lowest_bit, field.width, find_difference)
     return None
 
 
-def _parse_field(text: str) -> _Field:
+def _parse_field(field_text: str) -> _Field:
     """Return the field for a part of a layout, such as ``position=32``, ``error`` or ``crc=6:0x43``.
 
     Raises:
         UsageError: The text is not a field.
     """
-    not_a_field = UsageError(f"{quote(text)} is not a field; {_FIELDS_HELP}")
-    name, equals_sign, numbers_text = text.strip().partition("=")
+    not_a_field = UsageError(f"{quote(field_text)} is not a field; {_FIELDS_HELP}")
+    name, equals_sign, numbers_text = field_text.strip().partition("=")
     is_flag = name in _VERDICT_BY_FLAG
     # Only a flag needs no width: it has 1 bit.
     if not equals_sign and not is_flag:
@@ -253,35 +265,35 @@ def _parse_field(text: str) -> _Field:
     if is_flag and width != 1:
         raise UsageError(f"{name} is one bit, not {width}")
     if name == "crc":
-        return _parse_crc_field(text, width, crc_numbers)
+        return _parse_crc_field(field_text, width, crc_numbers)
     if crc_numbers:
         raise not_a_field
     return _Field(name, width)
 
 
-def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
-    """Return the field of a CRC. ``numbers`` are its polynomial and, if it is not 0, its start value.
+def _parse_crc_field(field_text: str, width: int, crc_numbers: Sequence[int]) -> _Field:
+    """Return the field of a CRC. ``crc_numbers`` are its polynomial and, if it is not 0, its start value.
 
     ``crc=6:0x43`` has the numbers ``[0x43]``, and its field has the polynomial ``0x03``, without the highest bit.
-    ``text`` is the field as it was written, for the error.
+    ``field_text`` is the field as it was written, for the error.
 
     Raises:
         UsageError: A number does not fit the width, the polynomial is missing or even, there are too many numbers, or
             the CRC has more than 32 bits.
     """
-    top_bit = 1 << width
-    poly = numbers[0] if numbers else 0
-    init = numbers[1] if len(numbers) > 1 else 0
-    is_odd = bool(poly & 1)
+    polynomial_top_bit = 1 << width
+    polynomial = crc_numbers[0] if crc_numbers else 0
+    start_value = crc_numbers[1] if len(crc_numbers) > 1 else 0
+    is_odd = bool(polynomial & 1)
     is_narrow = width <= 32
-    if numbers and is_narrow and not is_odd:
-        reason = f"the last term of its polynomial must be 1, so {poly:#x} needs bit 0 set"
-        raise UsageError(f"{quote(text)} is not a CRC: {reason}")
+    if crc_numbers and is_narrow and not is_odd:
+        reason = f"the last term of its polynomial must be 1, so {polynomial:#x} needs bit 0 set"
+        raise UsageError(f"{quote(field_text)} is not a CRC: {reason}")
     # The polynomial may be written with its top bit.
-    fits = poly < 2 * top_bit and init < top_bit
-    if not is_narrow or not is_odd or not fits or len(numbers) > 2:
-        raise UsageError(f"{quote(text)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
-    return _Field("crc", width, poly & (top_bit - 1), init)
+    fits = polynomial < 2 * polynomial_top_bit and start_value < polynomial_top_bit
+    if not is_narrow or not is_odd or not fits or len(crc_numbers) > 2:
+        raise UsageError(f"{quote(field_text)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
+    return _Field("crc", width, polynomial & (polynomial_top_bit - 1), start_value)
 
 
 def _parse_number(text: str) -> int:

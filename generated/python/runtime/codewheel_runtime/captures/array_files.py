@@ -53,10 +53,10 @@ def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
     return _ArrayForm(dtype, shape[1] if has_rows else None, shape[0])
 
 
-def read_array_file(file: BinaryIO, path: str, names: SignalNames, rate: float | None) -> Signals:
+def read_array_file(file: BinaryIO, path: str, signal_names: SignalNames, rate: float | None) -> Signals:
     """Return the signals of a ``.npy`` file, which contains an array with a row per sample, or a number per sample.
 
-    ``path`` is for errors, ``names`` are the chosen channels, and ``rate`` is the sample rate in Hz, if known.
+    ``path`` is for errors, ``signal_names`` are the chosen channels, and ``rate`` is the sample rate in Hz, if known.
     """
     array_form = _read_array_form(file, path)
     if array_form.channels is not None:
@@ -66,7 +66,7 @@ def read_array_file(file: BinaryIO, path: str, names: SignalNames, rate: float |
         channel_count = 8 * array_form.dtype.itemsize
     # The channels of an array have no names, only numbers.
     channel_names = [str(number) for number in range(1, channel_count + 1)]
-    channel_indices = names.find_channels(channel_names, path)
+    channel_indices = signal_names.find_channels(channel_names, path)
     # In rows, the chosen columns are packed into one number per sample, so the signals are its bits 0 and 1.
     has_rows = array_form.channels is not None
     signal_bits = range(len(channel_indices)) if has_rows else channel_indices
@@ -76,15 +76,15 @@ def read_array_file(file: BinaryIO, path: str, names: SignalNames, rate: float |
 
 
 def _read_array_parts(
-    file: BinaryIO, path: str, form: _ArrayForm, channel_indices: Sequence[int]
+    file: BinaryIO, path: str, array_form: _ArrayForm, channel_indices: Sequence[int]
 ) -> Generator[Samples, None, None]:
     """Yield the samples in some rows as unsigned numbers. The amount read is the number of bytes so far.
 
     ``channel_indices`` are the columns of the signals. If the array has no columns, each number is a sample, and all
     its bits are kept. Raises InputError at the end if samples are missing there.
     """
-    dtype = form.dtype
-    channels = form.channels
+    dtype = array_form.dtype
+    channels = array_form.channels
     row_width = 1 if channels is None else channels
     row_bytes = row_width * dtype.itemsize
     bytes_read = 0
@@ -100,8 +100,8 @@ def _read_array_parts(
         # Signed numbers are read as unsigned ones of the same bits, and then in the byte order of this machine.
         samples = samples.view(f"{byte_order}u{dtype.itemsize}")
         yield Samples(samples.astype(f"u{dtype.itemsize}", copy=False), amount_read=bytes_read)
-    if bytes_read < form.sample_count * row_bytes:
-        reason = f"this NumPy file ends early: it has {bytes_read // row_bytes} of {form.sample_count} samples"
+    if bytes_read < array_form.sample_count * row_bytes:
+        reason = f"this NumPy file ends early: it has {bytes_read // row_bytes} of {array_form.sample_count} samples"
         raise InputError(path, reason)
 
 
@@ -139,7 +139,7 @@ def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
 
 
 def read_array_archive(
-    archive: zipfile.ZipFile, path: str, names: SignalNames, rate: float | None, threshold: float | None
+    archive: zipfile.ZipFile, path: str, signal_names: SignalNames, rate: float | None, threshold: float | None
 ) -> Signals:
     """Return the signals of an ``.npz`` file: one array of samples, or an array for each channel.
 
@@ -157,11 +157,11 @@ def read_array_archive(
     is_array_of_samples = len(arrays) == 1 and times is None and arrays[0].dtype.kind != "f"
     if is_array_of_samples:
         try:
-            return read_array(arrays[0], names, sample_rate)
+            return read_array(arrays[0], signal_names, sample_rate)
         except TypeError as error:
             raise InputError(path, str(error)) from None
     _check_columns(arrays if times is None else [times, *arrays], path)
-    channel_indices = names.find_channels([*channels], path)
+    channel_indices = signal_names.find_channels([*channels], path)
     signal_arrays = [arrays[index] for index in channel_indices]
     levels = _convert_to_levels(np.stack(signal_arrays, axis=1), threshold, path)
     # Bit 0 of a packed sample is the level of the first signal.

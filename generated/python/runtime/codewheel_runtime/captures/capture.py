@@ -70,25 +70,17 @@ class Captures(NamedTuple):
     ) -> Capture:
         """Decode a capture of a logic analyzer. Needs NumPy.
 
-        Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, the bytes that Saleae's serial
-        analyzer exports, VCD, NumPy files (``.npy``, ``.npz``), and tables of 0 and 1 or of voltages. They are
-        recognized by their contents. Times of time stamps are in seconds from the first stamp.
+        The contents show the format: sigrok, Saleae (including serial bytes), VCD, NumPy, or tables of levels or volts.
 
         Args:
             encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).
-            source: The file, or two Saleae binary files, first the clock and then the data line. Or an
-                array of samples: one row per sample with one column of 0 and 1 per channel, or one number per sample
-                whose bits are the channels.
-            clock: Channel of the clock (MA), by name or by number from 1.
-            data: Channel of the data line (SLO), or of the serial line. By default, both are channels with common
-                names.
+            source: The file, two Saleae binary files (clock, data), or an array with a row or a number per sample.
+            clock: Channel of the clock (MA), by name or by number from 1. The default is a channel with a usual name.
+            data: Channel of the data line (SLO) or of the serial line, in the same way.
             rate: Sample rate in Hz, needed if the source does not specify it.
-            rest: Shortest pause of the clock between two cycles, in seconds, or in samples if the sample rate is
-                unknown. The default is 1.4 periods of the clock.
-            baud: Bits per second on a serial line, if they differ from the manual, or bits per sample if the sample
-                rate is unknown.
-            threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their
-                range.
+            rest: Shortest pause of the clock between two cycles, in seconds (samples if the rate is unknown).
+            baud: Bits per second, or per sample if the rate is unknown. The default is the rate in the manual.
+            threshold: Voltage above which the level is 1. The default is the middle of the voltages.
             layout: Kind of the replies, if there are several. The default is the most frequent one with a position.
             answers: Answers to the questions that the manual leaves open, by name.
 
@@ -96,7 +88,7 @@ class Captures(NamedTuple):
             The frames with their times, lost cycles, and accesses to registers.
 
         Raises:
-            InputError: The source is not a capture, or does not contain such signals. The message says what to do.
+            InputError: The source is not a capture, or lacks such signals.
             UsageError: The arguments are wrong or incompatible with each other.
             OSError: A file cannot be read.
         """
@@ -169,8 +161,9 @@ def read_channel_capture(layout: _Channels, source: Captured, probes: Probes) ->
     frames_of_parts: list[Any] = []
     times_of_parts: list[Any] = []
     with open_captured_signals(source, signal_names, probes) as (signals, file_name):
-        # ``rest`` is the shortest pause between two frames that the user has chosen, or None.
-        parts = find_clocked_frames(signals, file_name, kind="biss", bits=layout.bits, pause=probes.rest)
+        parts = find_clocked_frames(
+            signals, file_name, kind="biss", frame_bits=layout.bits, pause=probes.shortest_pause
+        )
         for part in parts:
             log.add(part)
             frames_of_parts.append(part.frames)
@@ -204,7 +197,7 @@ def _read_capture(capture_input: CaptureInput) -> Capture:
             _report_exchanged_lines(capture_input)
             raise
     log.finish()
-    table = decode_many(np.concatenate(frames), capture_frames.shape, capture_input.encoder)
+    table = decode_many(np.concatenate(frames), capture_frames.layout, capture_input.encoder)
     if not table.ok.any():
         _report_exchanged_lines(capture_input)
     table = table.with_columns(**{capture_frames.time_column: np.concatenate(times)})
@@ -222,7 +215,7 @@ def _report_exchanged_lines(capture_input: CaptureInput) -> None:
     frame_count = valid_count = lost_count = 0
     with suppress(InputError), open_capture(capture_input._replace(swap_lines=True)) as swapped:
         for part in swapped.parts:
-            table = decode_many(part.frames, swapped.shape, encoder)
+            table = decode_many(part.frames, swapped.layout, encoder)
             valid_count += int(table.ok.sum())
             frame_count += len(part.frames)
             lost_count += len(part.lost)
@@ -261,7 +254,8 @@ def _decode_capture(
         plan = make_plan(empty_table, frame_source, output.columns, paths[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
             try:
-                frames = decode_parts(frame_source, capture_frames.shape, encoder, sink, limit, progress, speed_columns)
+                layout = capture_frames.layout
+                frames = decode_parts(frame_source, layout, encoder, sink, limit, progress, speed_columns)
             except InputError:
                 _report_exchanged_lines(capture_input)
                 raise
@@ -282,7 +276,7 @@ def _make_empty_table(
     Raises UsageError if the frames have a field with the name of the column of times.
     """
     time_column = capture_frames.time_column
-    table = decode_many([], capture_frames.shape, encoder)
+    table = decode_many([], capture_frames.layout, encoder)
     if time_column in table:
         raise UsageError(f"the frames have a field '{time_column}', but this is the column of times")
     table = table.with_columns(**{time_column: np.zeros(0)})

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any, Literal, NamedTuple
 
-from ..bulk.shape import Shape
+from ..bulk.shape import FrameLayout
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
-from ..files.layouts import find_layout, find_shape, list_layouts
+from ..files.layouts import find_frame_kind, find_frame_layout, list_frame_kinds
 from ..reports import Interface
 from .any_biss import BissLayout
 from .captured_frames import CapturedFrames
@@ -21,7 +21,7 @@ from .probes import Probes
 from .serial_bytes import find_exported_columns, read_exported_bytes, read_serial_bytes
 from .signal_files import open_signals
 from .signals import SignalNames, Signals, read_array
-from .uart import Kinds, find_replies
+from .uart import FrameKinds, find_replies
 
 #: Files, or an array of samples.
 Captured = Any
@@ -32,13 +32,13 @@ class CaptureFrames(NamedTuple):
 
     Attributes:
         parts: The frames, one part of the capture after another.
-        shape: Their description.
+        layout: Their layout.
         time_column: Name of the column of times: ``time`` in seconds, or ``sample`` if the sample rate is unknown.
         total: Size of the file, if known.
     """
 
     parts: Generator[CapturedFrames, None, None]
-    shape: Shape
+    layout: FrameLayout
     time_column: str
     total: int | None
 
@@ -113,7 +113,7 @@ def _find_replies(
 ) -> CaptureFrames:
     """Return the replies of an encoder among the bytes on a serial line.
 
-    The first part is read immediately, because it shows the kind of the replies, and therefore their shape. ``line``
+    The first part is read immediately, because it shows the kind of the replies, and therefore their layout. ``line``
     yields the bytes, and ``name`` is the name of the file, for errors. ``layout`` is the kind of the replies, or empty
     for the most frequent one with a position. ``answers`` are answers to open questions by name.
 
@@ -127,7 +127,7 @@ def _find_replies(
         raise InputError(name, f"no valid reply of {encoder.code}: check the channel, the baud rate and the code")
     return CaptureFrames(
         parts=_prepend(first_part, parts),
-        shape=kinds.replies[first_part.kind],
+        layout=kinds.replies[first_part.kind],
         time_column="time",
         total=None,
     )
@@ -156,12 +156,13 @@ def _find_frames(
         return frames._replace(time_column=time_column, total=signals.total)
     is_ssi = isinstance(encoder, Encoder) and encoder.interface is Interface.SSI
     interface_name: Literal["biss", "ssi"] = "ssi" if is_ssi else "biss"
-    shape = find_shape(encoder, layout, answers) if isinstance(encoder, Encoder) else encoder.shape
-    if shape.bits > 64:
-        raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
-    # ``rest`` is the shortest pause between two frames that the user has chosen, or None.
-    parts = find_clocked_frames(signals, name, kind=interface_name, bits=shape.bits, pause=probes.rest)
-    return CaptureFrames(parts=parts, shape=shape, time_column=time_column, total=signals.total)
+    frame_layout = find_frame_layout(encoder, layout, answers) if isinstance(encoder, Encoder) else encoder.layout
+    if frame_layout.bit_count > 64:
+        raise UsageError(f"frames of {frame_layout.bit_count} bits do not fit into words of 64")
+    parts = find_clocked_frames(
+        signals, name, kind=interface_name, frame_bits=frame_layout.bit_count, pause=probes.shortest_pause
+    )
+    return CaptureFrames(parts=parts, layout=frame_layout, time_column=time_column, total=signals.total)
 
 
 def _prepend(
@@ -172,21 +173,23 @@ def _prepend(
     yield from following
 
 
-def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
+def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> FrameKinds:
     """Return all kinds of frames on a serial line: replies from the encoder and requests from the master.
 
     A kind whose description needs answers to open questions is omitted, unless ``layout`` requests it.
     ``layout`` is empty if no kind is requested.
     """
-    wanted = find_layout(encoder, layout).name if layout else ""
-    shapes: dict[str, dict[str, Shape]] = {"encoder": {}, "master": {}}
-    for frame_layout in list_layouts(encoder):
-        is_wanted = frame_layout.name == wanted
-        if is_wanted or not frame_layout.answers:
-            layout_answers: Mapping[str, Any] = answers if is_wanted else {}
-            shape = find_shape(encoder, frame_layout.name, layout_answers)
-            shapes[frame_layout.sender][frame_layout.name] = shape
-    return Kinds(replies=shapes["encoder"], requests=shapes["master"], wanted=wanted)
+    wanted_kind = find_frame_kind(encoder, layout).name if layout else ""
+    layouts_by_sender: dict[str, dict[str, FrameLayout]] = {"encoder": {}, "master": {}}
+    for frame_kind in list_frame_kinds(encoder):
+        is_wanted = frame_kind.name == wanted_kind
+        if is_wanted or not frame_kind.answers:
+            needed_answers: Mapping[str, Any] = answers if is_wanted else {}
+            frame_layout = find_frame_layout(encoder, frame_kind.name, needed_answers)
+            layouts_by_sender[frame_kind.sender][frame_kind.name] = frame_layout
+    return FrameKinds(
+        replies=layouts_by_sender["encoder"], requests=layouts_by_sender["master"], wanted_kind=wanted_kind
+    )
 
 
 def _find_baud_rate(encoder: Encoder, probes: Probes) -> float:

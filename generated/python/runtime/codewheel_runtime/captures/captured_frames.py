@@ -32,15 +32,15 @@ class CapturedFrames(NamedTuple):
             seconds, or in samples if the sample rate is unknown.
         lost: Cycles without a frame.
         amount_read: Amount of the file that has been read.
-        control: Over BiSS, the bits of register accesses.
+        control_bits: Over BiSS, the bits of register accesses.
         kind: Over RS-485, the kind of the frames. Empty if none is requested, and no valid frame was found.
-        others: Number of frames of other kinds, by name.
+        other_counts: Number of frames of other kinds, by name.
     """
 
     frames: Any
     times: Any
     lost: list[Lost]
     amount_read: int = 0
-    control: ControlBits | None = None
+    control_bits: ControlBits | None = None
     kind: str = ""
-    others: Mapping[str, int] = MappingProxyType({})
+    other_counts: Mapping[str, int] = MappingProxyType({})

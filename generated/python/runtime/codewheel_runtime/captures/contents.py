@@ -124,10 +124,10 @@ class Log:
         # Number of lost cycles that can still be kept, or None for all of them.
         free_places = None if self._limit is None else max(self._limit - len(self.lost_cycles), 0)
         self.lost_cycles += part.lost[:free_places]
-        for name, count in part.others.items():
+        for name, count in part.other_counts.items():
             self.other_frames[name] = self.other_frames.get(name, 0) + count
-        if part.control is not None:
-            self._add_accesses(self._access_finder.feed(part.control))
+        if part.control_bits is not None:
+            self._add_accesses(self._access_finder.feed(part.control_bits))
 
     def finish(self) -> None:
         """Add the access that the end of the capture cuts off."""

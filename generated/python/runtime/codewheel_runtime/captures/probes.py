@@ -17,8 +17,8 @@ class Probes(NamedTuple):
         clock: Channel of the clock (MA), by name or by number from 1. By default, a channel with a common name.
         data: Channel of the data line (SLO), or of the serial line.
         rate: Sample rate in Hz, needed if the file does not specify it.
-        rest: Shortest pause of the clock between two cycles, in seconds, or in samples if the sample rate is unknown.
-            The default is 1.4 periods. Use a longer pause if the master pauses within a frame.
+        shortest_pause: Shortest pause of the clock between two cycles, in seconds, or in samples if the sample rate is
+            unknown. The default is 1.4 periods. Use a longer pause if the master pauses within a frame.
         baud: Bits per second on a serial line, if they differ from the manual, or bits per sample if the sample rate is
             unknown.
         threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their
@@ -28,7 +28,7 @@ class Probes(NamedTuple):
     clock: str | int = ""
     data: str | int = ""
     rate: float | None = None
-    rest: float | None = None
+    shortest_pause: float | None = None
     baud: float | None = None
     threshold: float | None = None
 
@@ -37,10 +37,9 @@ class Probes(NamedTuple):
 
         None is always accepted.
         """
-        for name in ("rate", "rest", "baud"):
-            number = getattr(self, name)
-            is_positive = _is_finite(number) and number > 0
-            if number is not None and not is_positive:
+        # The pause is the argument ``rest``.
+        for name, number in (("rate", self.rate), ("rest", self.shortest_pause), ("baud", self.baud)):
+            if number is not None and not (_is_finite(number) and number > 0):
                 raise UsageError(f"{name} must be a number above 0, got {number!r}")
         if self.threshold is not None and not _is_finite(self.threshold):
             raise UsageError(f"threshold must be a number, got {self.threshold!r}")

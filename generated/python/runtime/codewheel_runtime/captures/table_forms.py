@@ -102,15 +102,15 @@ def parse_rate(text: str) -> float | None:
     return rate if rate > 0 else None
 
 
-def find_table_form(path: str, head: bytes) -> TableForm:
+def find_table_form(path: str, first_bytes: bytes) -> TableForm:
     """Return the form of a table according to its first lines: comments, headers, and rows.
 
     Raises:
         InputError: The file is not a table.
     """
-    if len(head) == HEADER and b"\n" not in head:
+    if len(first_bytes) == HEADER and b"\n" not in first_bytes:
         raise InputError(path, "a line is too long: this is not a capture")
-    lines = head.decode("utf-8-sig", "replace").splitlines()
+    lines = first_bytes.decode("utf-8-sig", "replace").splitlines()
     comments = [line.lstrip("; #") for line in lines if line.startswith(_COMMENT_MARKS)]
     table_lines = [line for line in lines if line.strip() and not line.startswith(_COMMENT_MARKS)]
     if not table_lines:
@@ -131,13 +131,13 @@ def find_table_form(path: str, head: bytes) -> TableForm:
     unit = 1.0 if is_stamped else _find_time_unit(headers, first_rows)
     has_time_column = unit is not None
     rate_in_comments = parse_rate(_find_comment(comments, "Samplerate"))
-    offset_of_first_row = _find_first_row(head, headers.line_count)
+    offset_of_first_row = _find_first_row(first_bytes, headers.line_count)
     return TableForm(
         delimiter=delimiter,
         channels=_name_channels(headers, comments, first_rows or cells_by_line, has_time_column),
         unit=unit,
         rate=rate_in_comments or _find_increment_rate(headers),
-        skipped=head.count(b"\n", 0, offset_of_first_row),
+        skipped=first_bytes.count(b"\n", 0, offset_of_first_row),
         is_stamped=is_stamped,
         has_decimal_commas=has_decimal_commas,
     )
@@ -293,14 +293,14 @@ def _find_comment(comments: Sequence[str], name: str) -> str:
     return ""
 
 
-def _find_first_row(head: bytes, header_count: int) -> int:
+def _find_first_row(first_bytes: bytes, header_count: int) -> int:
     """Return the offset in bytes of the first row of a table, after its headers, comments and empty lines.
 
-    Without a row, this is the length of ``head``.
+    Without a row, this is the length of ``first_bytes``.
     """
     offset = 0
     headers_left = header_count
-    for line in io.BytesIO(head):
+    for line in io.BytesIO(first_bytes):
         # A byte order mark can precede the first line.
         is_comment = not line.strip() or line.lstrip(b"\xef\xbb\xbf")[:1] in (b";", b"#")
         if not is_comment:
@@ -319,15 +319,15 @@ def _split_cells(line: str, delimiter: str | None) -> list[str]:
     return cells
 
 
-def _find_unit(name: str) -> float | None:
+def _find_unit(header: str) -> float | None:
     """Return the unit of the first column in seconds, according to its header, such as ``Time [ms]``.
 
     It is 0 for a column of sample numbers or a column ``Time`` without a unit. It is None if the header is the
     name of a channel.
     """
-    if name.strip().lower() in _NAMES_OF_SAMPLE_NUMBERS:
+    if header.strip().lower() in _NAMES_OF_SAMPLE_NUMBERS:
         return 0.0
-    match = _TIME_HEADING.fullmatch(name.strip())
+    match = _TIME_HEADING.fullmatch(header.strip())
     if match is None:
         return None
     # The regular expression also matches the Greek letter for the sign of micro.
@@ -335,4 +335,4 @@ def _find_unit(name: str) -> float | None:
     if unit in UNITS:
         return UNITS[unit]
     # Without a unit, the times follow from the sample rate.
-    return 0.0 if name.strip().lower() in ("time", "zeit") else None
+    return 0.0 if header.strip().lower() in ("time", "zeit") else None

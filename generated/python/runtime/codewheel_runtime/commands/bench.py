@@ -18,7 +18,7 @@ from ..captures.capture import Captures, CaptureSummary, Lost
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
 from ..files.inputs import StorageFormat, read_seconds
-from ..files.layouts import find_shape
+from ..files.layouts import find_frame_layout
 from ..files.sources import find_kind, open_source
 from .common import USAGE, CommandFailed, find_encoder, missing_package_error, show_progress
 
@@ -76,36 +76,36 @@ def _has_frames(path: str) -> bool:
 
     Other files are captures.
     """
-    kind = find_kind(path)
-    if kind == "parquet":
+    file_kind = find_kind(path)
+    if file_kind == "parquet":
         return True
-    if kind != "csv":
+    if file_kind != "csv":
         return False
     with open(path, encoding="utf-8-sig", errors="replace") as file:
         header = file.readline(_LONGEST_HEADER)
-    names = (cell.strip().strip('"').lower() for cell in re.split("[,;\t]", header))
-    return any(name in ("word", "frame") for name in names)
+    column_names = (cell.strip().strip('"').lower() for cell in re.split("[,;\t]", header))
+    return any(name in ("word", "frame") for name in column_names)
 
 
 def _read_frames(encoder: Encoder | BissLayout, options: argparse.Namespace) -> Table:
     """Return a table of the frames in a file with the columns ``time`` and ``word`` or ``frame``."""
     if isinstance(encoder, BissLayout):
-        shape = encoder.shape
+        layout = encoder.layout
     else:
-        shape = find_shape(encoder, options.layout, dict(options.choose))
+        layout = find_frame_layout(encoder, options.layout, dict(options.choose))
     path = options.files[0]
     frames: list[Any] = []
     times: list[Any] = []
-    storage = StorageFormat(digits=options.digits, wanted=("time",))
-    with open_source(path, storage, shape, _accept_all_frames) as frame_source:
+    storage = StorageFormat(number_base=options.digits, wanted_columns=("time",))
+    with open_source(path, storage, layout, _accept_all_frames) as frame_source:
         if "time" not in frame_source.empty_columns:
             raise InputError(path, "no column 'time'; a plot needs the time of each frame in seconds")
-        for part in frame_source.parts:
+        for part in frame_source.batches:
             times.append(read_seconds(part.other_columns["time"], path))
-            frames += _list_rows(part.frames) if shape.length else _list_numbers(part.frames)
+            frames += _list_rows(part.frames) if layout.byte_count else _list_numbers(part.frames)
     # Without the empty array, a file without frames would have nothing to join.
     all_times = np.concatenate([np.zeros(0), *times])
-    table = decode_many(frames, shape, encoder)
+    table = decode_many(frames, layout, encoder)
     return table.with_columns(time=all_times)
 
 

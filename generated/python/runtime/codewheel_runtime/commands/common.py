@@ -51,8 +51,8 @@ def _select_encoder(package: str, options: argparse.Namespace) -> Encoder:
     """
     encoder: Encoder = import_module(package).lookup(str(options.order_code))
     if options.interface is not None and encoder.interface.value != options.interface:
-        wanted = Interface(options.interface).title
-        raise ValueError(f"{encoder.code} has the interface {encoder.interface.title}, not {wanted}")
+        requested_interface = Interface(options.interface).title
+        raise ValueError(f"{encoder.code} has the interface {encoder.interface.title}, not {requested_interface}")
     if options.register:
         # Only encoders with such registers have this method.
         change_registers: Callable[[dict[int, int]], Encoder] | None = getattr(encoder, "with_registers", None)
@@ -88,12 +88,12 @@ def _add_optional_answers(encoder: Encoder, options: argparse.Namespace) -> Enco
     return with_answers(**answers)
 
 
-def find_answer(name: str, answer: str, kind: type[Enum]) -> Enum:
-    """Return the member of ``kind`` that ``--choose`` selects. Raises ValueError if there is no such answer."""
-    for member in kind:
+def find_answer(name: str, answer: str, answer_class: type[Enum]) -> Enum:
+    """Return the member of ``answer_class`` that ``--choose`` selects. Raises ValueError if there is no such answer."""
+    for member in answer_class:
         if member.name.lower() == answer.lower():
             return member
-    choices = " or ".join(f"--choose {name}={member.name.lower()}" for member in kind)
+    choices = " or ".join(f"--choose {name}={member.name.lower()}" for member in answer_class)
     raise ValueError(f"--choose {name}={answer} is not an answer: expected {choices}")
 
 

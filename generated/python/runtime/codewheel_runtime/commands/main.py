@@ -141,12 +141,12 @@ def _make_parser(package: str) -> argparse.ArgumentParser:
     def formatter(prog: str) -> argparse.RawDescriptionHelpFormatter:
         return argparse.RawDescriptionHelpFormatter(prog, width=80)
 
-    top = argparse.ArgumentParser(prog=distribution(package), formatter_class=formatter, allow_abbrev=False)
-    top.description = "Decode frames and captures of absolute encoders, given the order code on the label."
-    top.add_argument(
+    main_parser = argparse.ArgumentParser(prog=distribution(package), formatter_class=formatter, allow_abbrev=False)
+    main_parser.description = "Decode frames and captures of absolute encoders, given the order code on the label."
+    main_parser.add_argument(
         "--version", action="version", version=f"{distribution(package)} {import_module(package).__version__}"
     )
-    commands = top.add_subparsers(metavar="COMMAND", required=True)
+    commands = main_parser.add_subparsers(metavar="COMMAND", required=True)
 
     def add_command(
         name: str, run: Callable[..., int | None], summary: str, description: str = "", epilog: str = ""
@@ -169,7 +169,7 @@ def _make_parser(package: str) -> argparse.ArgumentParser:
     plot_summary = "plot position and speed over time, of a capture or of frames with a time"
     _add_capture_command(add_command, "capture", capture_summary)
     _add_capture_command(add_command, "plot", plot_summary)
-    return top
+    return main_parser
 
 
 def _add_decode_command(add_command: Callable[..., Any]) -> None:

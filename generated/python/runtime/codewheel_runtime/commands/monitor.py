@@ -51,26 +51,26 @@ def monitor(package: str, options: argparse.Namespace) -> None:
     encoder = find_encoder(package, options)
     if encoder.interface is not Interface.RS485:
         is_spi = encoder.interface is Interface.SPI
-        how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
+        advice = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
         problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
-        raise CommandFailed(f"{problem}: record it with a logic analyzer, and {how}", USAGE)
+        raise CommandFailed(f"{problem}: record it with a logic analyzer, and {advice}", USAGE)
     # On a terminal, readings are shown. In a pipe, they are written as a table.
     target = options.output if options.output or sys.stdout.isatty() else "-"
-    out = sys.stderr if target == "-" else sys.stdout
+    screen_file = sys.stderr if target == "-" else sys.stdout
     try:
         with (
             show_progress(package, options.port),
             open_recorder(target, options.write, options.force) if target else nullcontext() as recorder,
             # Without retries, every error is counted.
-            open_encoder(options.port, encoder, retries=0) as opened,
+            open_encoder(options.port, encoder, retries=0) as link,
         ):
             readings = watch(
-                opened,
+                link,
                 encoder,
                 options.port,
                 count=options.count,
                 interval_s=options.interval,
-                out=out,
+                out=screen_file,
                 recorder=recorder,
                 is_shown=target != "-",
             )
@@ -123,13 +123,13 @@ def watch(
     return Readings(screen.frames + screen.failures, screen.failures)
 
 
-def _wait_until(due: float) -> float:
+def _wait_until(due_time: float) -> float:
     """Wait until a time, and return it. If that time has passed, return the current time.
 
     Readings therefore come at fixed intervals. After a late reading, the next interval starts with that reading.
     """
-    sleep(max(0.0, due - monotonic()))
-    return max(due, monotonic())
+    sleep(max(0.0, due_time - monotonic()))
+    return max(due_time, monotonic())
 
 
 class _RecentReading(NamedTuple):
@@ -148,17 +148,17 @@ class _Screen:
         self._out = out
         self._recorder = recorder
         self._is_live = is_shown and out.isatty()
-        self._frame: Any = None
+        self._last_frame: Any = None
         #: Last unwrapped position, and the range with which it was unwrapped.
-        self._count: int | None = None
-        self._range: PositionRange | None = None
+        self._last_count: int | None = None
+        self._last_range: PositionRange | None = None
         #: Readings in the last half second.
-        self._recent: deque[_RecentReading] = deque()
+        self._recent_readings: deque[_RecentReading] = deque()
         #: Number of failures by kind, such as "no reply".
-        self._errors: Counter[str] = Counter()
+        self._failure_counts: Counter[str] = Counter()
         #: Time and number of lines of the last drawing, and text of the last error.
-        self._drawn_at, self._height, self._last_error = 0.0, 0, ""
-        self._began = monotonic()
+        self._last_drawing_time, self._drawn_line_count, self._last_error = 0.0, 0, ""
+        self._start_time = monotonic()
         self.frames = self.failures = 0
 
     def show_reading_of(self, reader: Reader) -> None:
@@ -176,23 +176,23 @@ class _Screen:
     def add(self, frame: Any) -> None:
         """Record and show a frame."""
         self.frames += 1
-        self._frame = frame
+        self._last_frame = frame
         now = monotonic()
         position = frame.usable_position
         if position is not None:
-            self._count = self._unwrap(frame.__class__, position)
+            self._last_count = self._unwrap(frame.__class__, position)
         if self._recorder is not None:
             reading = RecordedReading(
-                time=now - self._began,
+                time=now - self._start_time,
                 position=position,
                 verdict=frame.verdict.value,
                 reports=" ".join(report.name for report in frame.reports),
             )
             self._recorder.write(reading)
-        usable_count = None if position is None else self._count
-        self._recent.append(_RecentReading(now, usable_count))
-        while self._recent and now - self._recent[0].time > _SPAN_S:
-            self._recent.popleft()
+        usable_count = None if position is None else self._last_count
+        self._recent_readings.append(_RecentReading(now, usable_count))
+        while self._recent_readings and now - self._recent_readings[0].time > _SPAN_S:
+            self._recent_readings.popleft()
         self._update(now)
 
     def fail(self, error: RuntimeError) -> None:
@@ -200,10 +200,10 @@ class _Screen:
         self.failures += 1
         kind = _name_error(error)
         now = monotonic()
-        self._errors[kind] += 1
+        self._failure_counts[kind] += 1
         self._last_error = str(error)
         if self._recorder is not None:
-            self._recorder.write(RecordedReading(time=now - self._began, error=kind))
+            self._recorder.write(RecordedReading(time=now - self._start_time, error=kind))
         self._update(now)
 
     def end(self) -> None:
@@ -225,35 +225,35 @@ class _Screen:
             position_range = self._encoder.range_of(frame_class)
         except ValueError:
             return position
-        has_same_range = position_range == self._range
-        self._range = position_range
+        has_same_range = position_range == self._last_range
+        self._last_range = position_range
         # The first position is the count from which unwrapping starts.
-        previous = self._count if self._count is not None and has_same_range else position
+        previous = self._last_count if self._last_count is not None and has_same_range else position
         return position_range.unwrap(previous, position)
 
     def _update(self, now: float) -> None:
         """Draw the readings if a tenth of a second has passed since the last drawing."""
-        if self._is_live and now - self._drawn_at >= 1 / _UPDATES_PER_SECOND:
-            self._drawn_at = now
+        if self._is_live and now - self._last_drawing_time >= 1 / _UPDATES_PER_SECOND:
+            self._last_drawing_time = now
             self._draw()
 
     def _draw(self) -> None:
         """Draw the readings in place of the previous readings."""
         # The last column stays empty, because some terminals would begin a new line.
-        columns = shutil.get_terminal_size().columns - 1
-        head = f"{self._encoder.code}, {self._encoder.interface.title}, {self._port}    Ctrl-C ends"
+        column_count = shutil.get_terminal_size().columns - 1
+        title_line = f"{self._encoder.code}, {self._encoder.interface.title}, {self._port}    Ctrl-C ends"
         rows = [*self._list_values(), *self._list_state()]
-        lines = [head, *(f"{name:<10}{value}" for name, value in rows)]
+        lines = [title_line, *(f"{name:<10}{value}" for name, value in rows)]
         # Escape sequences: move up by some lines, and clear a line.
-        up = f"\x1b[{self._height}A" if self._height else ""
-        text = "".join(f"\r\x1b[2K{line[:columns]}\n" for line in lines)
-        self._out.write(up + text)
+        move_up = f"\x1b[{self._drawn_line_count}A" if self._drawn_line_count else ""
+        text = "".join(f"\r\x1b[2K{line[:column_count]}\n" for line in lines)
+        self._out.write(move_up + text)
         self._out.flush()
-        self._height = len(lines)
+        self._drawn_line_count = len(lines)
 
     def _list_values(self) -> list[tuple[str, str]]:
         """Return the rows about the last frame: pairs of label and text, such as ``("position", "4711 counts")``."""
-        frame = self._frame
+        frame = self._last_frame
         if frame is None:
             return [("position", "-"), ("angle", "-"), ("speed", "-"), ("verdict", "-")]
         usable_position = frame.usable_position
@@ -267,9 +267,9 @@ class _Screen:
 
     def _list_state(self) -> list[tuple[str, str]]:
         """Return the rows about alarms, rate and errors: pairs of label and text."""
-        reports = self._frame.reports if self._frame is not None else ()
+        reports = self._last_frame.reports if self._last_frame is not None else ()
         # Times of all frames in the last half second, also of those without a usable position.
-        times = [reading.time for reading in self._recent]
+        times = [reading.time for reading in self._recent_readings]
         span = times[-1] - times[0] if times else 0.0
         # Between n times there are n - 1 readings.
         rate = (len(times) - 1) / span if span > 0 else 0.0
@@ -283,13 +283,15 @@ class _Screen:
     def _describe_failures(self) -> str:
         """Return the number of failures of each kind as text, such as ``2 of 9 readings failed: 2 no reply``."""
         total = self.frames + self.failures
-        kinds = ", ".join(f"{count} {kind}" for kind, count in self._errors.most_common())
-        kinds_text = f": {kinds}" if kinds else ""
+        counts_text = ", ".join(f"{count} {kind}" for kind, count in self._failure_counts.most_common())
+        kinds_text = f": {counts_text}" if counts_text else ""
         return f"{self.failures} of {total} readings failed{kinds_text}"
 
     def _measure_speed(self) -> str:
         """Return the speed over the last half second with its unit, or ``-`` with fewer than two usable positions."""
-        timed_counts = [(reading.time, reading.position) for reading in self._recent if reading.position is not None]
+        timed_counts = [
+            (reading.time, reading.position) for reading in self._recent_readings if reading.position is not None
+        ]
         if len(timed_counts) < 2:
             return "-"
         first_time, first_count = timed_counts[0]

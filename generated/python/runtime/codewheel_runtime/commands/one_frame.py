@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast, get_args, get_type_hints
 from ..encoder import Encoder
 from ..errors import FrameError, LengthError
 from ..frames.decoders import cached_decoder, raise_error
-from ..frames.descriptions import find_any_shape, find_kinds
+from ..frames.descriptions import find_any_layout, find_kinds
 from ..reports import Interface, Report, Verdict
 from .common import (
     DONE,
@@ -47,17 +47,17 @@ def parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
         return digits
     if re.fullmatch("[01]{2,}", digits):
         raise CommandFailed(f"{text[:60]!r} could be bits or hexadecimal digits. Prefix it with 0b or 0x", USAGE)
-    # Frames of more than 64 bits are decoded from bytes, so their shapes have a length in bytes.
-    are_long_frames = all(find_any_shape(frame_class, encoder).length for frame_class in find_kinds(encoder))
+    # Frames of more than 64 bits are decoded from bytes, so their layouts have a length in bytes.
+    are_long_frames = all(find_any_layout(frame_class, encoder).byte_count for frame_class in find_kinds(encoder))
     if are_long_frames and re.fullmatch("([0-9a-fA-F]{2})+", digits):
         return bytes.fromhex(digits)
     return int(digits, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", digits) else None
 
 
-def _name_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
+def _name_other_frames(encoder: Encoder, frame: int | bytes | str, decoded_or_error: Any) -> str:
     """Return a sentence that names the other kinds of frames that match, or an empty string.
 
-    ``result`` is the decoded frame, or its error.
+    ``decoded_or_error`` is the decoded frame, or its error.
     """
     # The return type of ``try_decode`` is a union of the classes of frames that it decodes, and of FrameError.
     return_type = get_type_hints(type(encoder).try_decode)["return"]
@@ -67,18 +67,20 @@ def _name_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) 
         # An encoder with several classes identifies its frames by a field.
         return ""
     (decoded_kind,) = decoded_kinds
-    decoded_bits = find_any_shape(decoded_kind, encoder).bits
-    names: list[str] = []
+    decoded_bits = find_any_layout(decoded_kind, encoder).bit_count
+    other_names: list[str] = []
     for frame_class in find_kinds(encoder):
         # A number in hexadecimal does not show its leading zeros, so a short frame would be valid as a long one.
-        has_same_length = find_any_shape(frame_class, encoder).bits == decoded_bits
-        may_fit = has_same_length or isinstance(result, LengthError)
+        has_same_length = find_any_layout(frame_class, encoder).bit_count == decoded_bits
+        may_fit = has_same_length or isinstance(decoded_or_error, LengthError)
         if frame_class is not decoded_kind and may_fit and _is_valid_as(frame_class, encoder, frame):
-            names.append(frame_class.__name__)
-    if not names:
+            other_names.append(frame_class.__name__)
+    if not other_names:
         return ""
-    words = "This can be another frame" if isinstance(result, FrameError) else "This can also be another frame"
-    return f"{words}: {', '.join(names)} (decode it with the class in {type(encoder).__module__})"
+    sentence_start = (
+        "This can be another frame" if isinstance(decoded_or_error, FrameError) else "This can also be another frame"
+    )
+    return f"{sentence_start}: {', '.join(other_names)} (decode it with the class in {type(encoder).__module__})"
 
 
 def _is_valid_as(frame_class: Any, encoder: Encoder, frame: int | bytes | str) -> bool:
@@ -96,20 +98,20 @@ def print_frame(encoder: Encoder, frame: int | bytes | str, options: argparse.Na
     Raises:
         CommandFailed: The frame has an error, unless the output is JSON, which contains the error.
     """
-    result = _decode_with_answers(encoder, frame, dict(options.choose))
-    values: dict[str, Any] = result.to_dict()
-    other_frames = _name_other_frames(encoder, frame, result)
+    decoded_or_error = _decode_with_answers(encoder, frame, dict(options.choose))
+    values: dict[str, Any] = decoded_or_error.to_dict()
+    other_frames = _name_other_frames(encoder, frame, decoded_or_error)
     if options.json:
         print(json.dumps(values, ensure_ascii=False))
-    elif isinstance(result, FrameError):
-        advice = other_frames or result.hint
-        message: object = f"{result}. {advice}" if advice else result
+    elif isinstance(decoded_or_error, FrameError):
+        advice = other_frames or decoded_or_error.hint
+        message: object = f"{decoded_or_error}. {advice}" if advice else decoded_or_error
         raise CommandFailed(message)
     else:
-        _print_values_and_reports(values, result.reports)
+        _print_values_and_reports(values, decoded_or_error.reports)
         if other_frames:
             print(f"\n{other_frames}")
-    if isinstance(result, FrameError):
+    if isinstance(decoded_or_error, FrameError):
         return FAILED
     return NOT_USABLE if values.get("verdict") == Verdict.NOT_USABLE.value else DONE
 
@@ -171,8 +173,8 @@ def _suggest_answers(parameter_types: dict[str, Any], message: str) -> str:
     for parameter_name, parameter_type in parameter_types.items():
         answer_classes = [candidate for candidate in get_args(parameter_type) if isinstance(candidate, EnumMeta)]
         for answer_class in answer_classes:
-            # The message names a member of the class that it requests, such as "expected ZeroBit.AS_PRINTED".
-            is_requested = f"expected {answer_class.__name__}." in message
+            # The message names a member of the class that it requests, such as "must be ZeroBit.AS_PRINTED".
+            is_requested = f"must be {answer_class.__name__}." in message
             if is_requested:
                 options = [f"--choose {parameter_name}={name.lower()}" for name in answer_class.__members__]
                 return "; add " + " or ".join(options)

@@ -71,24 +71,24 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
     time_column = time_columns[0]
     times = np.asarray(table[time_column], np.float64)
     units = _choose_units(table)
-    drawn = _FIGURE.Figure(figsize=(10, 6), layout="constrained")
-    top, bottom = drawn.subplots(2, 1, sharex=True)
-    drawn.suptitle(title or getattr(table.encoder, "code", "") or "frames")
-    _draw_line(top, times, table.in_units(units.position), wraps=units.position == "degrees")
-    top.set_ylabel(units.position_label)
-    _draw_speed(bottom, table, times, units.speed)
+    plot_figure = _FIGURE.Figure(figsize=(10, 6), layout="constrained")
+    position_axes, speed_axes = plot_figure.subplots(2, 1, sharex=True)
+    plot_figure.suptitle(title or getattr(table.encoder, "code", "") or "frames")
+    _draw_line(position_axes, times, table.in_units(units.position), wraps=units.position == "degrees")
+    position_axes.set_ylabel(units.position_label)
+    _draw_speed(speed_axes, table, times, units.speed)
     is_timed = time_column == "time"
     # Without a sample rate, speeds are per sample.
-    bottom.set_ylabel(units.speed_label if is_timed else units.speed_label.replace("/s", "/sample"))
-    bottom.set_xlabel("time in s" if is_timed else "sample")
+    speed_axes.set_ylabel(units.speed_label if is_timed else units.speed_label.replace("/s", "/sample"))
+    speed_axes.set_xlabel("time in s" if is_timed else "sample")
     for mark_times, label, color in _list_marks(table, times, lost):
         if len(mark_times):
-            _draw_marks((top, bottom), mark_times, f"{label} ({len(mark_times)})", color)
-    _add_legend(top)
-    for axes in (top, bottom):
+            _draw_marks((position_axes, speed_axes), mark_times, f"{label} ({len(mark_times)})", color)
+    _add_legend(position_axes)
+    for axes in (position_axes, speed_axes):
         axes.grid(alpha=0.3)
         axes.margins(x=0.01)
-    return drawn
+    return plot_figure
 
 
 def _add_legend(axes: Any) -> None:
@@ -138,15 +138,15 @@ def save(
         UsageError: The format is unknown, the file exists, or the table has no times or no positions.
         OSError: The file cannot be written.
     """
-    kind = PurePath(target).suffix.lower().removeprefix(".")
-    if kind not in _PICTURE_FORMATS:
+    picture_format = PurePath(target).suffix.lower().removeprefix(".")
+    if picture_format not in _PICTURE_FORMATS:
         raise UsageError(f"{os.fspath(target)}: the name of a picture ends in .png, .svg or .pdf")
     try:
-        drawn = figure(table, lost, title)
+        plot_figure = figure(table, lost, title)
     except (ValueError, AttributeError) as error:
         raise UsageError(f"nothing to plot: {error}") from None
     with open_for_writing(os.fspath(target), sources, force) as file:
-        drawn.savefig(file, format=kind, dpi=150)
+        plot_figure.savefig(file, format=picture_format, dpi=150)
 
 
 def _choose_units(table: Table) -> _Units:
@@ -173,9 +173,9 @@ def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
     times, values = _reduce_points(times, values)
     if wraps and len(values):
         # Degrees jump by up to 360 where they wrap around. A NaN there interrupts the line.
-        wraps_at = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
-        times = np.insert(times, wraps_at, times[wraps_at])
-        values = np.insert(values, wraps_at, np.nan)
+        wrap_indices = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
+        times = np.insert(times, wrap_indices, times[wrap_indices])
+        values = np.insert(values, wrap_indices, np.nan)
     # Few points are also drawn as dots.
     markers = {"marker": ".", "markersize": 4} if len(values) < _FEW_POINTS else {}
     axes.plot(times, values, linewidth=1, **markers)
@@ -197,11 +197,11 @@ def _reduce_points(times: Any, values: Any) -> tuple[Any, Any]:
     segment_count = len(values) // segment_size
     segments = values[: segment_count * segment_size].reshape(-1, segment_size)
     first_indices = np.arange(segment_count) * segment_size
-    lowest = first_indices + segments.argmin(axis=1)
-    highest = first_indices + segments.argmax(axis=1)
-    last = len(values) - 1
-    kept = np.unique(np.concatenate([lowest, highest, [last]]))
-    return times[kept], values[kept]
+    lowest_indices = first_indices + segments.argmin(axis=1)
+    highest_indices = first_indices + segments.argmax(axis=1)
+    last_index = len(values) - 1
+    kept_indices = np.unique(np.concatenate([lowest_indices, highest_indices, [last_index]]))
+    return times[kept_indices], values[kept_indices]
 
 
 def _draw_marks(axes: Sequence[Any], times: Any, label: str, color: str) -> None:
@@ -210,10 +210,10 @@ def _draw_marks(axes: Sequence[Any], times: Any, label: str, color: str) -> None
     most_lines = _MOST_POINTS // 10
     step = max(ceil(len(times) / most_lines), 1)
     # The ends of each line: 0 is the bottom of the axes, and 1 their top.
-    lines_at = [[(time, 0), (time, 1)] for time in times[::step]]
+    line_ends = [[(time, 0), (time, 1)] for time in times[::step]]
     for index, plot_axes in enumerate(axes):
         lines = _COLLECTIONS.LineCollection(
-            lines_at,
+            line_ends,
             transform=plot_axes.get_xaxis_transform(),
             colors=color,
             linewidths=1,

@@ -10,7 +10,7 @@ from ..bulk.arrow import read_arrow
 from ..bulk.cells import TextCells
 from ..bulk.conversion import arrow_columns, pandas_columns
 from ..bulk.decode import decode_many
-from ..bulk.shape import Shape
+from ..bulk.shape import FrameLayout
 from ..bulk.words import DigitKind
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
@@ -26,14 +26,14 @@ class PartitionDecoder(NamedTuple):
 
     Attributes:
         encoder: The encoder.
-        shape: Description of its frames.
+        layout: Description of its frames.
         frame_column: Name of the column with the frames. Empty for the default.
         digits: Base of numbers in text without ``0x``: ``hex`` or ``decimal``.
         raw: True to keep positions that are not usable.
     """
 
     encoder: Encoder
-    shape: Shape
+    layout: FrameLayout
     frame_column: str
     digits: DigitKind | None
     raw: bool
@@ -65,8 +65,8 @@ class PartitionDecoder(NamedTuple):
         frame_column_name = find_column(names, self.frame_column, _PARTITION_NAME)
         try:
             frame_column = partition.column(names.index(frame_column_name))
-            frames = read_arrow(frame_column, self.shape, self.digits)
-            decoded_table = decode_many(frames, self.shape, self.encoder)
+            frames = read_arrow(frame_column, self.layout, self.digits)
+            decoded_table = decode_many(frames, self.layout, self.encoder)
         except (TypeError, ValueError) as error:
             raise InputError(_PARTITION_NAME, str(error), place=f"column {frame_column_name!r}") from None
         decoded_columns = arrow_columns(decoded_table, decoded_table.names, self.raw)
@@ -83,8 +83,8 @@ class PartitionDecoder(NamedTuple):
         column_index = names.index(frame_column_name)
         try:
             frame_column = partition.iloc[:, column_index]
-            frames = _read_series(frame_column, self.shape, self.digits)
-            decoded_table = decode_many(frames, self.shape, self.encoder)
+            frames = _read_series(frame_column, self.layout, self.digits)
+            decoded_table = decode_many(frames, self.layout, self.encoder)
         except (TypeError, ValueError) as error:
             raise InputError(_PARTITION_NAME, str(error), place=f"column {frame_column_name!r}") from None
         decoded_columns = pandas_columns(decoded_table, decoded_table.names, self.raw)
@@ -96,7 +96,7 @@ class PartitionDecoder(NamedTuple):
         return kept_part.assign(**decoded_columns)
 
 
-def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
+def _read_series(series: Any, layout: FrameLayout, digits: DigitKind | None) -> Any:
     """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN.
 
     Integers stay an array, and so do floats for frames of bits. Other columns become a list of frames. ``digits`` is
@@ -107,20 +107,20 @@ def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
         TypeError: A cell is not a frame.
     """
     frames: Any = series.to_numpy()
-    has_bits = not shape.length
+    has_bits = not layout.byte_count
     if frames.dtype.kind in "ui" or (frames.dtype.kind == "f" and has_bits):
         return frames
-    cells = TextCells(shape, digits)
+    cells = TextCells(layout, digits)
     missing = series.isna().tolist()
     cell_frames: list[Any] = []
     for row, cell in enumerate(frames.tolist()):
-        cell_frames.append(None if missing[row] else _read_cell(cell, shape, cells, row))
+        cell_frames.append(None if missing[row] else _read_cell(cell, layout, cells, row))
     if cells.are_mostly_unread:
-        raise ValueError(f"row {cells.place + 1}: {cells.error}")
+        raise ValueError(f"row {cells.error_place + 1}: {cells.error}")
     return cell_frames
 
 
-def _read_cell(cell: object, shape: Shape, cells: TextCells, row: int) -> Any:
+def _read_cell(cell: object, layout: FrameLayout, cells: TextCells, row: int) -> Any:
     """Return the frame in a cell that is text, bytes or an integer.
 
     ``cells`` is the reader of text, which returns None for a cell without a frame. ``row`` is the number of the row,
@@ -133,8 +133,8 @@ def _read_cell(cell: object, shape: Shape, cells: TextCells, row: int) -> Any:
         return cells.read(cell, row)
     if isinstance(cell, (bytes, bytearray, memoryview)):
         data = bytes(cast(bytes, cell))
-        return data if shape.length else int.from_bytes(data, "big")
-    if isinstance(cell, int) and not shape.length:
+        return data if layout.byte_count else int.from_bytes(data, "big")
+    if isinstance(cell, int) and not layout.byte_count:
         return cell
     raise TypeError(f"{str(cell)[:40]!r} is not a frame of this encoder")
 

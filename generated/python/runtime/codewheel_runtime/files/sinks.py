@@ -43,17 +43,17 @@ class Plan(NamedTuple):
         names: Names of the columns, in order.
         source_columns: Columns of the source that are also written, each as an empty column: a list, or an array of
             Arrow or NumPy.
-        empty: A table without frames.
+        empty_table: A table without frames.
         raw: True to write positions that are not usable.
     """
 
     names: tuple[str, ...]
     source_columns: Mapping[str, Any]
-    empty: Table
+    empty_table: Table
     raw: bool = False
 
     @property
-    def decoded(self) -> tuple[str, ...]:
+    def decoded_names(self) -> tuple[str, ...]:
         """Names of the columns that are decoded from frames."""
         return tuple(name for name in self.names if name not in self.source_columns)
 
@@ -71,7 +71,7 @@ class Sink(Protocol):
         """Append the frames of a table, and the other columns of the same rows."""
 
     @property
-    def lost(self) -> int:
+    def lost_cell_count(self) -> int:
         """Number of cells in other columns that were left empty because they are not numbers, unlike earlier cells."""
         ...
 
@@ -79,26 +79,26 @@ class Sink(Protocol):
 class TextConverter:
     """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk contains only numbers.
 
-    ``kind`` is the Arrow type, which the first chunk determines. Before that, it is None. ``lost`` is the number of
-    cells that became null because they are not numbers.
+    ``chosen_type`` is the Arrow type, which the first chunk determines. Before that, it is None. ``lost_cell_count`` is
+    the number of cells that became null because they are not numbers.
     """
 
     def __init__(self) -> None:
         self._pyarrow: Any = load("pyarrow")
-        self.kind: Any = None
-        self.lost = 0
+        self.chosen_type: Any = None
+        self.lost_cell_count = 0
 
     def array(self, cells: Any) -> Any:
         """Return the cells of a chunk as an Arrow array. Empty cells become null.
 
-        The first chunk determines the type (``kind``). Later cells that do not fit the type become null, and are
-        counted in ``lost``.
+        The first chunk determines the type (``chosen_type``). Later cells that do not fit the type become null, and are
+        counted in ``lost_cell_count``.
         """
         if isinstance(cells, self._pyarrow.Array):
-            has_number_type = self.kind is not None and self.kind != self._pyarrow.string()
+            has_number_type = self.chosen_type is not None and self.chosen_type != self._pyarrow.string()
             if has_number_type:
                 try:
-                    return cells.cast(self.kind)
+                    return cells.cast(self.chosen_type)
                 except self._pyarrow.ArrowInvalid:
                     # Some cells are empty or not numbers. They are examined below.
                     pass
@@ -108,16 +108,16 @@ class TextConverter:
         else:
             # The cells are a list of texts.
             texts = self._pyarrow.array([cell.strip() or None for cell in cells], self._pyarrow.string())
-        if self.kind is None:
-            self.kind = self._find_type(texts)
+        if self.chosen_type is None:
+            self.chosen_type = self._find_type(texts)
         try:
-            return texts.cast(self.kind)
+            return texts.cast(self.chosen_type)
         except self._pyarrow.ArrowInvalid:
             numbers = [self._cast_cell(cell) for cell in texts]
             # Cells that were null before are empty, not lost.
             null_count = sum(number is None for number in numbers)
-            self.lost += null_count - texts.null_count
-            return self._pyarrow.array(numbers, self.kind)
+            self.lost_cell_count += null_count - texts.null_count
+            return self._pyarrow.array(numbers, self.chosen_type)
 
     def _find_type(self, texts: Any) -> Any:
         """Return the Arrow type for these texts: integer if all are integers, float if all are numbers, otherwise text.
@@ -135,9 +135,9 @@ class TextConverter:
         return self._pyarrow.string()
 
     def _cast_cell(self, cell: Any) -> Any:
-        """Return a text cell as a number of type ``kind``, or None if it is not a number."""
+        """Return a text cell as a number of type ``chosen_type``, or None if it is not a number."""
         try:
-            return cell.cast(self.kind).as_py()
+            return cell.cast(self.chosen_type).as_py()
         except self._pyarrow.ArrowInvalid:
             return None
 
@@ -154,7 +154,7 @@ class ArrowSink:
         self._plan = plan
         self._parquet = parquet
         self._writer = cast(Any, None)
-        self._texts = {
+        self._text_converters = {
             name: TextConverter() for name, column in plan.source_columns.items() if isinstance(column, list)
         }
 
@@ -166,22 +166,22 @@ class ArrowSink:
     ) -> None:
         if error_type is None and self._writer is None:
             # Nothing was written: the file contains the columns, but no rows.
-            self.write(self._plan.empty, self._plan.source_columns)
+            self.write(self._plan.empty_table, self._plan.source_columns)
         if self._writer is not None:
             self._writer.close()
 
     @property
-    def lost(self) -> int:
+    def lost_cell_count(self) -> int:
         """Number of cells in other columns that were left empty because they are not numbers, unlike earlier cells."""
-        return sum(converter.lost for converter in self._texts.values())
+        return sum(converter.lost_cell_count for converter in self._text_converters.values())
 
     def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
         """Append the frames of a table, and the other columns of the same rows, in the order of the plan."""
-        arrays = arrow_columns(table, self._plan.decoded, self._plan.raw)
+        arrays = arrow_columns(table, self._plan.decoded_names, self._plan.raw)
         for name in self._plan.source_columns:
             column = other_columns[name]
-            if name in self._texts:
-                column = self._texts[name].array(column)
+            if name in self._text_converters:
+                column = self._text_converters[name].array(column)
             elif hasattr(column, "dtype"):
                 # A NumPy array. The only other columns are Arrow arrays, which need no conversion.
                 column = self._pyarrow.array(column, from_pandas=True)
@@ -198,14 +198,14 @@ class ArrowSink:
         self._writer_schema = schema
         if not self._parquet:
             return self._pyarrow.ipc.new_file(self._file, schema)
-        decoded = self._plan.decoded
-        integer_columns = [name for name in decoded if schema.field(name).type == "int64"]
+        decoded_names = self._plan.decoded_names
+        integer_columns = [name for name in decoded_names if schema.field(name).type == "int64"]
         return load("pyarrow.parquet").ParquetWriter(
             self._file,
             schema,
             compression="zstd",
             compression_level=1,
-            use_dictionary=[name for name in decoded if name in WORDS],
+            use_dictionary=[name for name in decoded_names if name in WORDS],
             # Successive positions differ little, so their differences take fewer bits and less time.
             column_encoding=dict.fromkeys(integer_columns, "DELTA_BINARY_PACKED"),
         )
@@ -217,11 +217,11 @@ class CsvSink:
     def __init__(self, file: Any, plan: Plan) -> None:
         # CSV keeps every cell as text, so no cell is ever lost.
         self._plan = plan
-        self.lost = 0
+        self.lost_cell_count = 0
         # Without a file, the rows go to standard output.
-        self._own_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
-        self._out = self._own_file or sys.stdout
-        self._writer = csv.writer(self._out, lineterminator="\n")
+        self._opened_file = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
+        self._output = self._opened_file or sys.stdout
+        self._writer = csv.writer(self._output, lineterminator="\n")
         self._writer.writerow(plan.names)
 
     def __enter__(self) -> CsvSink:
@@ -231,10 +231,10 @@ class CsvSink:
         self, error_type: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if error_type is None:
-            self._out.flush()
-        if self._own_file is not None:
+            self._output.flush()
+        if self._opened_file is not None:
             # The caller closes the file.
-            self._own_file.detach()
+            self._opened_file.detach()
 
     @cached_property
     def _formatter(self) -> _ArrowFormatter | None:
@@ -260,7 +260,7 @@ class CsvSink:
                 # There is no formatter, or a cell needs quotes.
                 self._write_rows(table_rows, columns)
             else:
-                self._out.write(csv_text)
+                self._output.write(csv_text)
 
     def _write_rows(self, table: Table, other_columns: Mapping[str, Any]) -> None:
         """Append rows with Python's CSV writer, which adds quotes where needed."""
@@ -341,9 +341,9 @@ class _ArrowFormatter:
         Integers, bools and texts in Arrow arrays stay unchanged. Other columns become text, as they do without
         pyarrow.
         """
-        kinds = self._pyarrow.types
+        arrow_types = self._pyarrow.types
         arrow_type = getattr(column, "type", None)
-        unchanged_kinds = (kinds.is_integer, kinds.is_boolean, kinds.is_string)
+        unchanged_kinds = (arrow_types.is_integer, arrow_types.is_boolean, arrow_types.is_string)
         if arrow_type is not None and any(is_kind(arrow_type) for is_kind in unchanged_kinds):
             return column
         return self._format_texts(_list_csv_cells(column))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar, cast
 from ..codec import BitField
 from ..encoder import Encoder
 from ..reports import Report
-from .descriptions import decoding_arguments, find_any_shape, find_description, module_of, shape_of
+from .descriptions import decoding_arguments, find_any_layout, find_description, layout_of, module_of
 from .encoders import Encode, find_class_encoder
 
 if TYPE_CHECKING:
@@ -31,6 +31,17 @@ class Coded:
     """
 
     __slots__ = ()
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        """Give the constructor the public name of the class, because Python's messages about arguments contain it.
+
+        The constructor of ``SingleCycleData`` is that of the NamedTuple ``_SingleCycleData``.
+        """
+        super().__init_subclass__(**keywords)
+        for base in cls.__bases__:
+            if base.__name__ == f"_{cls.__name__}":
+                constructor: Any = base.__new__
+                constructor.__qualname__ = f"{cls.__name__}.__new__"
 
     def __eq__(self, other: object) -> bool:
         if self.__class__ is other.__class__:
@@ -74,7 +85,7 @@ class Coded:
     @classmethod
     def _frame_name(cls, encoder: Encoder) -> str:
         """Return the name of the frame if other frames have a different range of positions, otherwise empty."""
-        return find_any_shape(cls, encoder).frame
+        return find_any_layout(cls, encoder).frame
 
     def _arguments(self) -> tuple[Any, ...]:
         """Return the first fields of the frame: the encoder and the answers that its description needs."""
@@ -156,7 +167,7 @@ class Sent(Coded):
     @property
     def reports(self) -> tuple[Report, ...]:
         """Encoder reports: active flags, unused bits that differ from the manual, and values with a verdict."""
-        report_causes = shape_of(type(self), *self._arguments()).report_causes
+        report_causes = layout_of(type(self), *self._arguments()).report_causes
         if not report_causes:
             return ()
         reports_by_name: Mapping[str, Report] = module_of(type(self), "facts").REPORTS
@@ -171,7 +182,7 @@ class Fixed(Coded):
     @classmethod
     def bit_fields(cls) -> tuple[BitField, ...]:
         """Return the bit position of each field in the number that the frame or register forms."""
-        return shape_of(cls).fields
+        return layout_of(cls).fields
 
 
 class FixedFrame(Fixed):
@@ -220,7 +231,7 @@ class FixedBits(FixedFrame, InBits):
     @classmethod
     def frame_bits(cls) -> int:
         """Return the number of bits in the frame, including the CRC if it has one."""
-        return shape_of(cls).bits
+        return layout_of(cls).bit_count
 
 
 class FixedBytes(FixedFrame, InBytes):
@@ -265,7 +276,7 @@ class ByEncoder(ForEncoder, _Of[_Encoder]):
 
         A field that does not exist in the encoder is 0 bits wide.
         """
-        return shape_of(cls, variant).fields
+        return layout_of(cls, variant).fields
 
 
 class FrameOf(ByEncoder[_Encoder]):
@@ -318,7 +329,7 @@ class BitsOf(FrameOf[_Encoder], InBits):
     @classmethod
     def frame_bits(cls, variant: _Encoder) -> int:
         """Return the number of bits in the frame, including the CRC if it has one."""
-        return shape_of(cls, variant).bits
+        return layout_of(cls, variant).bit_count
 
 
 class BytesOf(FrameOf[_Encoder], InBytes):
@@ -374,10 +385,10 @@ def decode_frames(frames: object, frame_class: type, /, *, variant: Encoder | No
 
     ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
     """
-    shape = shape_of(frame_class, *decoding_arguments(frame_class, variant=variant, **answers))
+    layout = layout_of(frame_class, *decoding_arguments(frame_class, variant=variant, **answers))
     from ..bulk import decode as bulk_decode
 
-    return bulk_decode.decode_many(frames, shape, variant)
+    return bulk_decode.decode_many(frames, layout, variant)
 
 
 def encode_columns(
@@ -389,7 +400,7 @@ def encode_columns(
 
     ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
     """
-    shape = shape_of(frame_class, *decoding_arguments(frame_class, variant=variant, **answers))
+    layout = layout_of(frame_class, *decoding_arguments(frame_class, variant=variant, **answers))
     from ..bulk import encode as bulk_encode
 
-    return bulk_encode.encode_many(columns, shape)
+    return bulk_encode.encode_many(columns, layout)

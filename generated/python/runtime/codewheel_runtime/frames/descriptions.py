@@ -13,10 +13,10 @@ from ..codec import require_answer
 from ..encoder import Encoder, wrong_encoder_error
 
 if TYPE_CHECKING:
-    from ..bulk.shape import Shape
+    from ..bulk.shape import FrameLayout
 
 
-def shape_of(frame_class: type, *arguments: object) -> Shape:
+def layout_of(frame_class: type, *arguments: object) -> FrameLayout:
     """Return the description of a frame class.
 
     Args:
@@ -28,9 +28,10 @@ def shape_of(frame_class: type, *arguments: object) -> Shape:
         TypeError: An argument is missing or not an encoder, or an answer is not a member of the enumeration.
         FamilyError, InterfaceError: The encoder belongs to a different family, or has a different interface.
     """
-    make_shape, argument_types = find_description(frame_class)
-    # There can be fewer arguments. The call of ``make_shape`` then raises TypeError.
-    for argument_type, argument in zip(argument_types, arguments, strict=False):
+    make_layout, argument_types = find_description(frame_class)
+    # There can be fewer arguments. The call of ``make_layout`` then raises TypeError.
+    # The first fields of a class are these arguments.
+    for name, argument_type, argument in zip(field_names(frame_class), argument_types, arguments, strict=False):
         if isinstance(argument, argument_type):
             continue
         if issubclass(argument_type, Encoder):
@@ -39,17 +40,17 @@ def shape_of(frame_class: type, *arguments: object) -> Shape:
             raise wrong_encoder_error(argument, family_class=family_class, interface=argument_type.interface)
         # Any other type is an enumeration of answers. This always raises TypeError, because it is not a member.
         answer_class: type[Enum] = cast(Any, argument_type)
-        require_answer(answer_class, cast(Any, argument))
-    return make_shape(*arguments)
+        require_answer(name, answer_class, cast(Any, argument))
+    return make_layout(*arguments)
 
 
-def find_any_shape(frame_class: type, encoder: Encoder) -> Shape:
+def find_any_layout(frame_class: type, encoder: Encoder) -> FrameLayout:
     """Return the description of a frame class for an encoder, for any answers to open questions.
 
     The first possible answer to each question is used, so use only properties that do not depend on the answers, such
     as the length of the frame.
     """
-    make_shape, argument_types = find_description(frame_class)
+    make_layout, argument_types = find_description(frame_class)
     arguments: list[object] = []
     for argument_type in argument_types:
         if issubclass(argument_type, Encoder):
@@ -59,7 +60,7 @@ def find_any_shape(frame_class: type, encoder: Encoder) -> Shape:
             answer_class: type[Enum] = cast(Any, argument_type)
             first_answer = next(iter(answer_class))
             arguments.append(first_answer)
-    return make_shape(*arguments)
+    return make_layout(*arguments)
 
 
 def find_kinds(encoder: Encoder) -> tuple[type, ...]:
@@ -70,21 +71,21 @@ def find_kinds(encoder: Encoder) -> tuple[type, ...]:
     # SHAPES contains the same functions by class.
     functions_of_sent_frames = module.FRAMES.get((encoder.interface.value, "encoder"), {}).values()
     return tuple(
-        frame_class for frame_class, make_shape in module.SHAPES.items() if make_shape in functions_of_sent_frames
+        frame_class for frame_class, make_layout in module.LAYOUTS.items() if make_layout in functions_of_sent_frames
     )
 
 
 @cache
-def find_description(frame_class: type) -> tuple[Callable[..., Shape], tuple[type, ...]]:
+def find_description(frame_class: type) -> tuple[Callable[..., FrameLayout], tuple[type, ...]]:
     """Return the function that creates the description of a frame class, and the types of its arguments.
 
     The arguments are an encoder, unless all encoders have the same description, and the answers to open questions. A
     class derived from a frame class uses the description of its base class.
     """
-    shapes: Mapping[type, Callable[..., Shape]] = module_of(frame_class, "_shapes").SHAPES
-    make_shape = next(shapes[base] for base in frame_class.__mro__ if base in shapes)
-    hints = get_type_hints(make_shape)
-    return make_shape, tuple(hint for name, hint in hints.items() if name != "return")
+    functions_by_class: Mapping[type, Callable[..., FrameLayout]] = module_of(frame_class, "_shapes").LAYOUTS
+    make_layout = next(functions_by_class[base] for base in frame_class.__mro__ if base in functions_by_class)
+    hints = get_type_hints(make_layout)
+    return make_layout, tuple(hint for name, hint in hints.items() if name != "return")
 
 
 def module_of(frame_class: type, folder: str) -> Any:

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, cast
 
 from ..codec import exchange_bytes, make_crc_tables
 from ..encoder import Encoder
-from .descriptions import field_names, find_description, shape_of
+from .descriptions import field_names, find_description, layout_of
 from .encode import compute_crc, encode_number
 
 if TYPE_CHECKING:
-    from ..bulk.shape import Column, CrcOf, Shape
+    from ..bulk.shape import Column, CrcOf, FrameLayout
 
 #: Function that returns a frame as a number or as bytes.
 Encode = Callable[[Any], Any]
@@ -66,20 +66,20 @@ def make_encoder(frame_class: type, arguments: tuple[Any, ...]) -> Encode:
     The function is compiled for this class. If a field has no fast path, or has limits that depend on the encoder,
     the function instead reads the frame description on each call.
     """
-    shape = shape_of(frame_class, *arguments)
+    layout = layout_of(frame_class, *arguments)
 
     def encode_any(frame: Any) -> int | bytes:
         """Encode a frame with any values, and raise an error if a value does not fit."""
-        number = encode_number(frame, shape, arguments)
-        if not shape.length:
+        number = encode_number(frame, layout, arguments)
+        if not layout.byte_count:
             return number
-        return exchange_bytes(number.to_bytes(shape.length, shape.order), shape.exchanged_bytes)
+        return exchange_bytes(number.to_bytes(layout.byte_count, layout.order), layout.exchanged_bytes)
 
-    has_slow_fields = any(_describe_usual_bits(column) is None for column in shape.columns)
-    has_limits_by_encoder = shape.limited is not None
-    if has_slow_fields or has_limits_by_encoder or shape.digit_codings:
+    has_slow_fields = any(_describe_usual_bits(column) is None for column in layout.columns)
+    has_limits_by_encoder = layout.limited_value is not None
+    if has_slow_fields or has_limits_by_encoder or layout.digit_codings:
         return encode_any
-    function_text = _FunctionText(shape, field_names(frame_class))
+    function_text = _FunctionText(layout, field_names(frame_class))
     global_variables = function_text.names
     global_variables["encode_any"] = encode_any
     # Like the methods of a dataclass, the function is compiled from text, which contains only names from here.
@@ -107,7 +107,7 @@ def _describe_usual_bits(column: Column) -> _Bits | None:
     width = column.width
     if column.zero_means or column.power_of_two:
         return None
-    match column.kind:
+    match column.value_kind:
         case "flag":
             return _Bits("type({0}) is bool", "{0}") if width else _Bits("{0} is False", "0")
         case "not_flag":
@@ -117,9 +117,9 @@ def _describe_usual_bits(column: Column) -> _Bits | None:
             mask = (1 << width) - 1
             # The double braces leave {0} in the text.
             return _Bits(f"type({{0}}) is int and {-end} <= {{0}} < {end}", f"({{0}} & {mask:#x})")
-        case "number" if not column.values:
+        case "number" if not column.allowed_values:
             return _Bits(f"type({{0}}) is int and not {{0}} >> {width}", "{0}")
-        case "choice" if isinstance(column.values, type):
+        case "choice" if isinstance(column.allowed_values, type):
             return _Bits("type({0}) is kind_of_{0}", "{0}")
         case _:
             return None
@@ -141,25 +141,25 @@ class _FunctionText:
     contains the lines that follow. ``names`` are the global variables of the function.
     """
 
-    def __init__(self, shape: Shape, fields: tuple[str, ...]) -> None:
+    def __init__(self, layout: FrameLayout, fields: tuple[str, ...]) -> None:
         # The name of each field's variable. The bits of all terms are joined by |, starting with the constant bits.
         self._fields = {name: f"field_{index}" for index, name in enumerate(fields)}
         self._conditions: list[str] = []
-        self._terms: list[str] = [f"{shape.fixed:#x}"] if shape.fixed else []
+        self._terms: list[str] = [f"{layout.fixed:#x}"] if layout.fixed else []
         self._statements: list[str] = []
         self.names: dict[str, Any] = {}
-        for column in shape.columns:
+        for column in layout.columns:
             self._add_column(column)
-        self._add_unused(shape)
-        self._add_limits(shape)
-        if shape.gray is not None:
+        self._add_unused(layout)
+        self._add_limits(layout)
+        if layout.gray is not None:
             # The Gray code of n is n ^ n >> 1, within its bits of the frame.
-            low, width = shape.gray
-            if shape.excess:
-                self._statements.append(f"number += {shape.excess << low:#x}")
-            self._statements.append(f"number ^= (number >> {low} & {(1 << width) - 1:#x}) >> 1 << {low}")
-        self._add_parities(shape)
-        self._add_result(shape)
+            lowest_bit, width = layout.gray
+            if layout.excess:
+                self._statements.append(f"number += {layout.excess << lowest_bit:#x}")
+            self._statements.append(f"number ^= (number >> {lowest_bit} & {(1 << width) - 1:#x}) >> 1 << {lowest_bit}")
+        self._add_parities(layout)
+        self._add_result(layout)
 
     def _add_column(self, column: Column) -> None:
         """Add code for the condition on a field, and for its bits at their place in the frame.
@@ -174,35 +174,35 @@ class _FunctionText:
         name = self._fields[column.name]
         self._conditions.append(usual.condition.format(name))
         bits = usual.bits.format(name)
-        self._terms.append(f"{bits} << {column.low}" if column.low else bits)
-        if column.kind == "choice":
+        self._terms.append(f"{bits} << {column.lowest_bit}" if column.lowest_bit else bits)
+        if column.value_kind == "choice":
             # The condition of a choice compares the type of the value with this enumeration.
-            self.names[f"kind_of_{name}"] = column.values
+            self.names[f"kind_of_{name}"] = column.allowed_values
 
-    def _add_unused(self, shape: Shape) -> None:
+    def _add_unused(self, layout: FrameLayout) -> None:
         """Add code for the condition on the field ``unused``, and for the unused bits.
 
         In a register that keeps its other bits, ``unused`` holds these bits at their places. Otherwise a bit of
         ``unused`` is 1 where the sent bit differs from the manual, so 0 represents the values in the manual.
         """
-        if shape.kept_mask is None and not shape.unused:
+        if layout.kept_mask is None and not layout.unused:
             return
         name = self._fields["unused"]
-        if shape.kept_mask is not None:
-            self._conditions.append(f"type({name}) is int and not {name} & ~{shape.kept_mask:#x}")
+        if layout.kept_mask is not None:
+            self._conditions.append(f"type({name}) is int and not {name} & ~{layout.kept_mask:#x}")
             self._terms.append(name)
             return
         self._conditions.append(f"type({name}) is int and {name} == 0")
-        self._terms += [f"{unused.value << unused.low:#x}" for unused in shape.unused if unused.value]
+        self._terms += [f"{unused.value << unused.lowest_bit:#x}" for unused in layout.unused if unused.value]
 
-    def _add_limits(self, shape: Shape) -> None:
+    def _add_limits(self, layout: FrameLayout) -> None:
         """Add code for the checks of fields with a highest value. If a check fails, ``encode_any`` raises the error.
 
         For a field of 12 bits at bit 8, the code is
         ``if not is_within_0(number >> 8 & 0xfff): return encode_any(frame)``.
         """
-        for index, check in enumerate(shape.checks):
-            if check.limit is None:
+        for index, check in enumerate(layout.checks):
+            if check.highest is None:
                 continue
             self.names[f"is_within_{index}"] = check.is_within
             if check.joined:
@@ -210,37 +210,37 @@ class _FunctionText:
                 self.names[f"take_{index}"] = check.take
                 bits = f"take_{index}(number)"
             else:
-                bits = f"number >> {check.low} & {(1 << check.width) - 1:#x}"
+                bits = f"number >> {check.lowest_bit} & {(1 << check.width) - 1:#x}"
             self._statements.append(f"if not is_within_{index}({bits}): return encode_any(frame)")
 
-    def _add_parities(self, shape: Shape) -> None:
+    def _add_parities(self, layout: FrameLayout) -> None:
         """Add code for the parity bits. It comes after Gray code, because parity covers the bits as they are sent."""
-        for index, check in enumerate(shape.parities):
+        for index, check in enumerate(layout.parities):
             self.names[f"parity_{index}"] = check.parity
-            self._statements.append(f"number |= parity_{index}(number) << {check.low}")
+            self._statements.append(f"number |= parity_{index}(number) << {check.lowest_bit}")
 
-    def _add_result(self, shape: Shape) -> None:
+    def _add_result(self, layout: FrameLayout) -> None:
         """Add code for the CRC and for the conversion to bytes.
 
         A CRC of at most 8 bits at the low end of the frame is the XOR of one table entry per 16 bits.
         """
-        crc = shape.crc
+        crc = layout.crc
         if crc is None:
             result = "number"
-        elif crc.low == 0 and crc.width <= _TABLE_WIDTH:
-            tables = _make_tables(crc, shape.bits)
+        elif crc.lowest_bit == 0 and crc.width <= _TABLE_WIDTH:
+            tables = _make_tables(crc, layout.bit_count)
             self.names.update({f"table_{index}": table for index, table in enumerate(tables)})
             # The CRC bits of the number are still 0, so the XOR inserts the CRC.
             entries = [f"table_{index}[number >> {16 * index} & 0xFFFF]" for index in range(len(tables))]
             result = f"number ^ {' ^ '.join(entries)}"
         else:
             self.names.update(compute_crc=compute_crc, crc=crc)
-            result = f"number | compute_crc(number, crc) << {crc.low}"
-        if shape.length:
-            result = f"({result}).to_bytes({shape.length}, {shape.order!r})"
-        if shape.exchanged_bytes:
+            result = f"number | compute_crc(number, crc) << {crc.lowest_bit}"
+        if layout.byte_count:
+            result = f"({result}).to_bytes({layout.byte_count}, {layout.order!r})"
+        if layout.exchanged_bytes:
             self.names["exchange_bytes"] = exchange_bytes
-            result = f"exchange_bytes({result}, {shape.exchanged_bytes})"
+            result = f"exchange_bytes({result}, {layout.exchanged_bytes})"
         self._statements.append(f"return {result}")
 
     def text(self) -> str:
