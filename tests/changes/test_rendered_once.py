@@ -83,7 +83,7 @@ def test_no_text_of_an_unchanged_family_is_rendered(sides: tuple[Path, Path], mo
     monkeypatch.setattr(Templates, "render", counted_render)
     found = changed_files(old, new, NO_CACHE)
     assert found is not None
-    assert not [name for name in found.changed if "asc85" in name]
+    assert not [name for name in found.changed_paths if "asc85" in name]
     pages_of_a_family = ("hardware.md.jinja", "manual.md.jinja", "errata.md.jinja", "changes.md.jinja")
     assert {name: rendered[name] for name in pages_of_a_family} == dict.fromkeys(pages_of_a_family, 2)
 
@@ -101,8 +101,8 @@ def test_changes_and_count_are_those_of_complete_files(sides: tuple[Path, Path])
     before, after = complete_files(old), complete_files(new)
     found = changed_files(old, new, NO_CACHE)
     assert found is not None
-    assert found.count == len(before | after)
-    assert list(found.changed) == [name for name in sorted(before | after) if before.get(name) != after.get(name)]
+    assert found.file_count == len(before | after)
+    assert list(found.changed_paths) == [name for name in sorted(before | after) if before.get(name) != after.get(name)]
 
 
 @pytest.mark.slow
@@ -113,7 +113,7 @@ def test_outputs_that_the_settings_leave_out_are_not_compared(sides: tuple[Path,
     found = changed_files(old, new, NO_CACHE, filters)
     assert changed_names > {"asc85"}
     assert found is not None
-    assert not [name for name in found.changed if name.startswith("masters/")]
+    assert not [name for name in found.changed_paths if name.startswith("masters/")]
 
 
 @pytest.mark.slow
