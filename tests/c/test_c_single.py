@@ -293,10 +293,10 @@ def buffers(view: DeviceView, count: int) -> bytes:
 def frames_without_flags(case: Any, random_: random.Random) -> list[int]:
     """Some valid frames in which no flag is active, so that no flag makes the position unusable."""
     fields = [field for field in case.placed.fields if field.field.carries_data]
-    choices = {field.name: samples(field.field, field.width, case.placed.layout, random_) for field in fields}
-    kinds = {field.name: field.field.kind for field in fields}
-    inactive = {name: int(kind.active_low) for name, kind in kinds.items() if isinstance(kind, Flag)}
-    return [encoded_sample(case.device, case.placed, choices, inactive, random_) for _ in range(8)]
+    samples_by_field = {field.name: samples(field.field, field.width, case.placed.layout, random_) for field in fields}
+    kind_by_field = {field.name: field.field.kind for field in fields}
+    inactive_flag_bits = {name: int(kind.active_low) for name, kind in kind_by_field.items() if isinstance(kind, Flag)}
+    return [encoded_sample(case.device, case.placed, samples_by_field, inactive_flag_bits, random_) for _ in range(8)]
 
 
 @pytest.mark.slow
