@@ -22,9 +22,11 @@ from typing import Any
 import pytest
 import working_tools
 from codewheel import cache
-from codewheel.commands import outputs
+from codewheel.commands import families_in_specs, outputs
 from codewheel.commands.check import specs as checked_specs
+from codewheel.language import files as spec_files_in_folders
 from codewheel.language.problems import ProblemReport
+from codewheel.loading import configuration_file
 from codewheel.loading import library as loading
 from codewheel.loading.overlays import Family
 from codewheel.masters import sheet
@@ -47,6 +49,8 @@ TRACKED_GRADES = ("manual", "quoted")
 _TESTS = ROOT / "tests"
 _OURS = {ROOT / "specs", ROOT / "docs" / "example"}
 _OURS |= {_TESTS / "specs", _TESTS / "c" / "specs", _TESTS / "python" / "specs", _TESTS / "browser" / "specs"}
+#: Beginnings of the paths of the specs in these folders, and of the settings of this repository.
+_OUR_FILES = (*(f"{folder}/" for folder in _OURS), f"{ROOT / 'pyproject.toml'}")
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
@@ -85,7 +89,7 @@ def pytest_configure() -> None:
 
 def pytest_collection_finish() -> None:
     gc.freeze()
-    gc.set_threshold(200_000)
+    gc.set_threshold(1_000_000)
     gc.enable()
 
 
@@ -117,6 +121,14 @@ def _specs_read_once() -> Iterator[None]:
         for module in (loading, outputs, checked_specs, simulation_options):
             patch.setattr(module, "load_families", families)
         patch.setattr(sheet, "load_masters", masters)
+        # Commands look for an order code in the text of every packaged spec, and in the settings of this repository.
+        for module, name in (
+            (spec_files_in_folders, "top_keys"),
+            (families_in_specs, "_read_spec_file"),
+            (families_in_specs, "_read_beginnings"),
+            (configuration_file, "read_configuration"),
+        ):
+            patch.setattr(module, name, _reading_unchanged_once(getattr(module, name)))
         yield
 
 
@@ -175,6 +187,22 @@ def _building_once(load_families: Callable[..., Any]) -> Callable[..., Any]:
         return families, report
 
     return load
+
+
+def _reading_unchanged_once(read: Callable[[Path], Any]) -> Callable[[Path], Any]:
+    """Return ``read`` that keeps its results for files that no test changes."""
+    # Results contain the path as it was given, which may be relative to the current folder.
+    result_by_paths: dict[tuple[str, str], Any] = {}
+
+    def read_unchanged_once(path: Path) -> Any:
+        paths = (os.path.abspath(path), str(path))
+        if not paths[0].startswith(_OUR_FILES):
+            return read(path)
+        if paths not in result_by_paths:
+            result_by_paths[paths] = read(path)
+        return result_by_paths[paths]
+
+    return read_unchanged_once
 
 
 def _is_unchanged(path: Path) -> bool:

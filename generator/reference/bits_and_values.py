@@ -41,8 +41,8 @@ def reflect(value: int, width: int) -> int:
     return int(binary_digits[::-1], 2)
 
 
-def compute_bits(crc: Crc, number: int, bits: int) -> int:
-    """Return the CRC of the lowest ``bits`` bits of ``number``, processed one by one, most significant bit first.
+def compute_bits(crc: Crc, number: int, bit_count: int) -> int:
+    """Return the CRC of the lowest ``bit_count`` bits of ``number``, processed one by one, most significant bit first.
 
     ``refin`` is ignored, because it reverses the bits of bytes, and this data has no bytes.
     """
@@ -50,7 +50,7 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
     mask = crc.mask
     poly = crc.poly
     highest_bit = crc.width - 1
-    for bit_position in reversed(range(bits)):
+    for bit_position in reversed(range(bit_count)):
         data_bit = (number >> bit_position) & 1
         shifted_out = (register >> highest_bit) & 1
         register = (register << 1) & mask
@@ -63,8 +63,8 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
 
 def compute_bytes(crc: Crc, data: bytes) -> int:
     """Return the CRC of whole bytes. With ``refin``, each byte is processed least significant bit first."""
-    number, bits = bits_in_crc_order(crc, data)
-    return compute_bits(crc, number, bits)
+    number, bit_count = bits_in_crc_order(crc, data)
+    return compute_bits(crc, number, bit_count)
 
 
 def bits_in_crc_order(crc: Crc, data: bytes) -> tuple[int, int]:
@@ -79,8 +79,8 @@ def bits_in_crc_order(crc: Crc, data: bytes) -> tuple[int, int]:
     return number, 8 * len(data)
 
 
-def init_for_result(crc: Crc, number: int, bits: int, result: int) -> int:
-    """Return the start value ``init`` with which the CRC of the lowest ``bits`` bits of ``number`` is ``result``.
+def init_for_result(crc: Crc, number: int, bit_count: int, result: int) -> int:
+    """Return the start value ``init`` with which the CRC of the lowest ``bit_count`` bits of ``number`` is ``result``.
 
     There is exactly one such value if the lowest bit of ``poly`` is 1, because each step can then be undone.
     """
@@ -88,7 +88,7 @@ def init_for_result(crc: Crc, number: int, bits: int, result: int) -> int:
     if crc.refout:
         register = reflect(register, crc.width)
     # Undo the steps of compute_bits, from the last bit to the first.
-    for bit_position in range(bits):
+    for bit_position in range(bit_count):
         sent_bit = (number >> bit_position) & 1
         # The shift leaves the lowest bit 0, and the polynomial sets it.
         had_feedback = register & 1
@@ -104,12 +104,12 @@ def unused_bits(placed_layout: PlacedLayout, number: int) -> int:
 
     Each unused field has its place in this number. ``placed_layout.unused`` gives the position of its lowest bit.
     """
-    result = 0
-    for placed_field, low_bit_in_result in placed_layout.unused:
+    all_differing_bits = 0
+    for placed_field, lowest_bit_in_result in placed_layout.unused:
         sent_bits = bits_of_field(placed_field, number)
         differing_bits = sent_bits ^ documented_bits(placed_field)
-        result |= differing_bits << low_bit_in_result
-    return result
+        all_differing_bits |= differing_bits << lowest_bit_in_result
+    return all_differing_bits
 
 
 def documented_bits(placed_field: PlacedField) -> int:
@@ -128,12 +128,12 @@ def parity_bit(placed_layout: PlacedLayout, parity: Parity, number: int) -> int:
 
     It covers the fields ``of``. ``mask`` selects the bits of each of these fields that count.
     """
-    ones = 0
+    count_of_ones = 0
     for placed_field in placed_layout.find_fields(parity.of):
         covered_bits_of_field = bits_of_field(placed_field, number) & parity.mask
-        ones += covered_bits_of_field.bit_count()
-    # ``odd`` is 1 for odd parity, which makes the whole number of ones odd.
-    return (ones + parity.odd) & 1
+        count_of_ones += covered_bits_of_field.bit_count()
+    # ``odd`` is 1 for odd parity, which makes the count of ones, including the parity bit, odd.
+    return (count_of_ones + parity.odd) & 1
 
 
 def join_value(placed_layout: PlacedLayout, join: Join, number: int) -> int:
@@ -183,8 +183,8 @@ def to_binary(placed_layout: PlacedLayout, number: int) -> int:
     return _convert_gray_part(placed_layout, number, gray_to_number)
 
 
-def number_of_digits(code: DigitCode, bits: int, width: int) -> int | None:
-    """Return the number whose digits are sent as the ``width`` bits ``bits``, or None if a digit has no valid code.
+def number_of_digits(code: DigitCode, sent_bits: int, width: int) -> int | None:
+    """Return the number whose digits are sent as these ``width`` bits, or None if a digit has no valid code.
 
     ``code`` defines how each digit is sent: for BCD, 0001 0010 are the digits 1 and 2 of the number 12.
     """
@@ -192,7 +192,7 @@ def number_of_digits(code: DigitCode, bits: int, width: int) -> int | None:
     mask_of_digit = (1 << code.bits) - 1
     digit_count = -(-width // code.bits)  # Rounded up: the first digit can have fewer bits.
     for digit_index in reversed(range(digit_count)):
-        code_of_digit = (bits >> (digit_index * code.bits)) & mask_of_digit
+        code_of_digit = (sent_bits >> (digit_index * code.bits)) & mask_of_digit
         if code_of_digit not in code.codes:
             return None
         digit = code.codes.index(code_of_digit)
@@ -205,17 +205,18 @@ def digits_of_number(code: DigitCode, number: int, width: int) -> int:
 
     All digits that fit in ``width`` bits are sent, because in other codes the bits of a leading digit 0 are not 0.
     """
-    bits = 0
-    for shift in range(0, width, code.bits):
-        number, digit = divmod(number, len(code.codes))
-        bits |= code.codes[digit] << shift
-    return bits
+    sent_bits = 0
+    remaining_number = number
+    for lowest_bit_of_digit in range(0, width, code.bits):
+        remaining_number, digit = divmod(remaining_number, len(code.codes))
+        sent_bits |= code.codes[digit] << lowest_bit_of_digit
+    return sent_bits
 
 
-def with_bits(number: int, placed_field: PlacedField, bits: int) -> int:
-    """Return the frame ``number`` with the bits of one field replaced by ``bits``."""
-    other_bits = number & ~(placed_field.mask << placed_field.low)
-    return other_bits | (bits << placed_field.low)
+def with_bits(frame: int, placed_field: PlacedField, field_bits: int) -> int:
+    """Return the frame with the bits of one field replaced."""
+    other_bits = frame & ~(placed_field.mask << placed_field.low)
+    return other_bits | (field_bits << placed_field.low)
 
 
 def from_binary(placed_layout: PlacedLayout, number: int) -> int:
@@ -246,18 +247,18 @@ def _convert_gray_part(placed_layout: PlacedLayout, frame: int, convert: Callabl
     """
     if not placed_layout.gray:
         return frame
-    low, width = placed_layout.place_of(placed_layout.layout.gray_of)
+    lowest_bit, width = placed_layout.place_of(placed_layout.layout.gray_of)
     mask = (1 << width) - 1
-    number = (frame >> low) & mask
+    number = (frame >> lowest_bit) & mask
     converted_number = convert(number) & mask
-    other_bits = frame & ~(mask << low)
-    return other_bits | (converted_number << low)
+    other_bits = frame & ~(mask << lowest_bit)
+    return other_bits | (converted_number << lowest_bit)
 
 
 def compute(crc: Crc, placed_layout: PlacedLayout, number: int) -> int:
     """Return the CRC that matches the other bits of the frame ``number``."""
-    covered_number, bits = covered_bits(crc, placed_layout, number)
-    return compute_bits(crc, covered_number, bits)
+    covered_number, bit_count = covered_bits(crc, placed_layout, number)
+    return compute_bits(crc, covered_number, bit_count)
 
 
 def covered_bits(crc: Crc, placed_layout: PlacedLayout, number: int) -> tuple[int, int]:
@@ -267,11 +268,11 @@ def covered_bits(crc: Crc, placed_layout: PlacedLayout, number: int) -> tuple[in
     """
     if placed_layout.layout.crc_covers_bytes:
         data = number_to_bytes(placed_layout.layout, number, placed_layout.bits)
-        crc_length = crc.width // 8
-        return bits_in_crc_order(crc, data[:-crc_length])
-    low, bits = placed_layout.crc_covers
-    mask = (1 << bits) - 1
-    return (number >> low) & mask, bits
+        crc_length_in_bytes = crc.width // 8
+        return bits_in_crc_order(crc, data[:-crc_length_in_bytes])
+    lowest_bit, bit_count = placed_layout.crc_covers
+    mask = (1 << bit_count) - 1
+    return (number >> lowest_bit) & mask, bit_count
 
 
 Values = Mapping[str, "int | str | bool"]
@@ -286,40 +287,40 @@ def number_of_text(text: str) -> int:
     return int.from_bytes(text.encode("latin-1", "replace"), "big")
 
 
-def value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | bool, str]:
+def value_and_meaning(field: Field, field_bits: int, width: int) -> tuple[int | str | bool, str]:
     """Return the value that the bits of a field represent, and its meaning, such as ``("ready", "encoder is ready")``.
 
-    ``raw`` is the number formed by the bits. It is the value if the field has named values but none for this number.
+    ``field_bits`` are the bits as a number. It is the value if the field has named values but none for this number.
     """
     match field.kind:
         case Number() as number:
-            return signed_or_plain(number, raw, width), field.meaning
+            return signed_or_plain(number, field_bits, width), field.meaning
         case Flag() as flag:
-            is_active = bool(raw) != flag.active_low
+            is_active = bool(field_bits) != flag.active_low
             meaning_of_state = flag.when_active if is_active else flag.when_inactive
             return is_active, meaning_of_state or field.meaning
         case Choice(named_values):
             for named_value in named_values:
-                if named_value.value == raw:
+                if named_value.value == field_bits:
                     return named_value.name, named_value.meaning or field.meaning
-            return raw, field.meaning
+            return field_bits, field.meaning
         case Text():
-            return raw.to_bytes(width // 8, "big").decode("latin-1"), field.meaning
+            return field_bits.to_bytes(width // 8, "big").decode("latin-1"), field.meaning
         case Constant() | Decimal() | Unused() | CrcValue() | Parity():
-            return raw, field.meaning
+            return field_bits, field.meaning
         case _ as kind:
             assert_never(kind)
 
 
-def signed_or_plain(number: Number, raw: int, width: int) -> int:
+def signed_or_plain(number: Number, field_bits: int, width: int) -> int:
     """Return the number that ``width`` bits represent: 0b111 is -1 in a signed field of 3 bits, and otherwise 7.
 
     ``zero_means`` is the number that the bits 0 represent, which is 0 in most fields.
     """
-    sign_bit = raw >> (width - 1)
+    sign_bit = field_bits >> (width - 1)
     if number.signed and sign_bit:
-        return raw - (1 << width)
-    return number.zero_means if raw == 0 else raw
+        return field_bits - (1 << width)
+    return number.zero_means if field_bits == 0 else field_bits
 
 
 def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | bool) -> int:
@@ -369,12 +370,12 @@ def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int
         EncodeError: The number does not fit in the bits, or the field requires a power of two.
     """
     # A number that does not fit loses bits, and decoding returns a different number.
-    raw = 0 if value == number.zero_means else value & placed_field.mask
-    if signed_or_plain(number, raw, placed_field.width) != value:
+    field_bits = 0 if value == number.zero_means else value & placed_field.mask
+    if signed_or_plain(number, field_bits, placed_field.width) != value:
         raise EncodeError(frame_texts.too_wide_message(placed_field.name, f"{value}", f"{placed_field.width}"))
     if number.power_of_two and value.bit_count() != 1:
         raise EncodeError(frame_texts.no_power_of_two_message(placed_field.name, f"{value}"))
-    return raw
+    return field_bits
 
 
 def _number_of_name(field_name: str, named_values: Sequence[Value], name: str) -> int:

@@ -103,18 +103,18 @@ def _selector_value(placed_layout: PlacedLayout, data: bytes) -> int | None:
     if selector is None:
         return None
     if placed_layout.layout.byte_order == "low_byte_first":
-        needed_length = selector.high // 8 + 1
-        ignored_low_bits = 0
+        # The bytes up to the one with the highest bit of the selector.
+        needed_byte_count = selector.high // 8 + 1
+        ignored_low_bit_count = 0
     else:
-        # The ignored bytes are the low bits of the frame.
-        needed_length = (placed_layout.bits - selector.low + 7) // 8
-        ignored_low_bits = placed_layout.bits - 8 * needed_length
-    if len(data) < needed_length:
+        # The bytes up to the one with its lowest bit. The ignored bytes are the low bits of the frame.
+        needed_byte_count = (placed_layout.bits - selector.low + 7) // 8
+        ignored_low_bit_count = placed_layout.bits - 8 * needed_byte_count
+    if len(data) < needed_byte_count:
         return None
-    needed_data = data[:needed_length]
-    number = number_from_bytes(placed_layout.layout, needed_data)
-    low_in_number = selector.low - ignored_low_bits
-    return (number >> low_in_number) & selector.mask
+    number = number_from_bytes(placed_layout.layout, data[:needed_byte_count])
+    lowest_bit_in_number = selector.low - ignored_low_bit_count
+    return (number >> lowest_bit_in_number) & selector.mask
 
 
 def decode_bytes(device: Device, variant: Variant, sender: str, data: bytes) -> DecodedFrame:
@@ -179,11 +179,7 @@ def decode(device: Device, placed_layout: PlacedLayout, number: int) -> DecodedF
     problems += problems_of_digits(device, placed_layout, number, binary_number)
     crc = _decode_crc(device, placed_layout, number)
     if crc is not None and not crc.ok:
-        message_of = (
-            frame_texts.exchanged_crc_bytes_message if crc.has_exchanged_bytes else frame_texts.wrong_crc_message
-        )
-        message = message_of(f"{crc.received:#04x}", f"{crc.computed:#04x}")
-        problems.append(FrameProblem(Fault.CRC, field=_name_of_crc_field(placed_layout), message=message))
+        problems.append(_problem_of_crc(placed_layout, crc))
     fields += [_decode_join(placed_layout, join, number, binary_number) for join in placed_layout.layout.joins]
     if placed_layout.layout.has_unused:
         differing_bits = unused_bits(placed_layout, number)
@@ -205,9 +201,15 @@ def _decode_crc(device: Device, placed_layout: PlacedLayout, frame: int) -> CrcR
     return CrcResult(crc.name, received=received_crc, computed=computed_crc, width=crc.width)
 
 
-def _name_of_crc_field(placed_layout: PlacedLayout) -> str:
-    """Return the name of the field with the CRC, or an empty string if the order code has none."""
-    return placed_layout.crc_field.name if placed_layout.crc_field is not None else ""
+def _problem_of_crc(placed_layout: PlacedLayout, wrong_crc: CrcResult) -> FrameProblem:
+    """Return the error for a wrong CRC. The message says if its bytes are only exchanged."""
+    field_name = placed_layout.crc_field.name if placed_layout.crc_field is not None else ""
+    received, computed = f"{wrong_crc.received:#04x}", f"{wrong_crc.computed:#04x}"
+    if wrong_crc.has_exchanged_bytes:
+        message = frame_texts.exchanged_crc_bytes_message(received, computed)
+    else:
+        message = frame_texts.wrong_crc_message(received, computed)
+    return FrameProblem(Fault.CRC, field=field_name, message=message)
 
 
 def _decode_join(placed_layout: PlacedLayout, join: Join, frame: int, binary_frame: int) -> DecodedField:
@@ -416,6 +418,6 @@ def decode_channels(device: Device, frame: PlacedChannels, number: int) -> tuple
     ``number`` must not have more bits than the frame.
     """
     decoded_channels = []
-    for placed_layout, bits in zip(frame.channels, frame.split(number), strict=True):
-        decoded_channels.append(decode(device, placed_layout, bits))
+    for placed_layout, channel_bits in zip(frame.channels, frame.split(number), strict=True):
+        decoded_channels.append(decode(device, placed_layout, channel_bits))
     return tuple(decoded_channels)

@@ -130,22 +130,22 @@ def range_message(position_range: PositionRange, placed_layout: PlacedLayout, bi
     return frame_texts.too_high_message(position_range.name, f"{position}", f"{highest}")
 
 
-def problems_of_value(field: Field, raw: int) -> Iterator[FrameProblem]:
-    """Yield an error if a field cannot have the value ``raw``, regardless of the other fields."""
+def problems_of_value(field: Field, field_bits: int) -> Iterator[FrameProblem]:
+    """Yield an error if a field cannot have the value ``field_bits``, regardless of the other fields."""
     name = field.name
     match field.kind:
         case Choice(named_values):
             known_numbers = {named_value.value for named_value in named_values}
-            if raw not in known_numbers:
-                message = frame_texts.unknown_value_message(name, f"{raw:#x}")
+            if field_bits not in known_numbers:
+                message = frame_texts.unknown_value_message(name, f"{field_bits:#x}")
                 yield FrameProblem(Fault.RANGE, field=name, message=message)
         case Constant(constant):
-            if raw != constant:
-                message = frame_texts.wrong_constant_message(name, f"{raw:#x}", f"{constant:#x}")
+            if field_bits != constant:
+                message = frame_texts.wrong_constant_message(name, f"{field_bits:#x}", f"{constant:#x}")
                 yield FrameProblem(Fault.CONSTANT, field=name, message=message)
         case Decimal() as decimal:
-            if raw >= decimal.limit:
-                message = frame_texts.too_many_digits_message(name, f"{raw}", f"{decimal.digits}")
+            if field_bits >= decimal.limit:
+                message = frame_texts.too_many_digits_message(name, f"{field_bits}", f"{decimal.digits}")
                 yield FrameProblem(Fault.RANGE, field=name, message=message)
 
 

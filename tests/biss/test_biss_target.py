@@ -70,8 +70,8 @@ def test_the_files(files: dict[str, str]) -> None:
     assert "biss/idbiss.dtd" not in files
 
 
-def test_amm5_is_known_by_its_ids(files: dict[str, str]) -> None:
-    root = check_format(files[NAME])
+def test_amm5_is_known_by_its_ids(amm5: Device) -> None:
+    root = check_format(generate(Library((amm5,)))[NAME])
     maker = root.find("Profile/Device")
     assert maker is not None
     assert [(id_node.get("Range"), int(id_node.text or "", 2)) for id_node in maker.findall("Id")] == [("15:0", 0x4C69)]

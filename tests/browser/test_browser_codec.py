@@ -246,9 +246,11 @@ def published(vectors: list[dict[str, Any]]) -> Iterator[tuple[dict[str, Any], d
 
 def check_answer(question: dict[str, Any], expected: dict[str, Any], answer: dict[str, Any]) -> None:
     assert answer["faults"][: len(expected["faults"]) or None] == expected["faults"], question
-    values = expected["values"]
-    expected_texts = {name: str(value) for name, value in values.items()}
-    expected_texts |= {name: text.lower() for name, text in expected_texts.items() if isinstance(values[name], bool)}
+    expected_values = expected["values"]
+    expected_texts = {name: str(value) for name, value in expected_values.items()}
+    for name, value in expected_values.items():
+        if isinstance(value, bool):
+            expected_texts[name] = str(value).lower()
     assert {name: answer["fields"][name] for name in expected_texts} == expected_texts, question
     assert answer["verdict"] == expected.get("verdict", answer["verdict"]), question
 

@@ -80,16 +80,19 @@ def test_labels_with_mistakes(count: int, node: Asker, library: Library) -> None
     """One character of a listed code is omitted, changed, or written twice."""
     random_ = random.Random(5)
     codes = [variant.code for device in library.devices for variant in device.variants]
-    texts = []
+    mistaken_labels = []
     for _ in range(count):
         code = random_.choice(codes)
-        place = random_.randrange(len(code))
-        middle = random_.choice(["", random_.choice("0123456789ABSKJPCG/-"), 2 * code[place]])
-        texts.append(code[:place] + middle + code[place + 1 :])
-    answers = node("labels", [{"texts": texts}])[0]
-    pairs = {text: (answer, description_of(library, text)) for text, answer in zip(texts, answers, strict=True)}
-    differing = {text: pair for text, pair in pairs.items() if pair[0] != pair[1]}
-    assert differing == {}
+        position = random_.randrange(len(code))
+        replacement = random_.choice(["", random_.choice("0123456789ABSKJPCG/-"), 2 * code[position]])
+        mistaken_labels.append(code[:position] + replacement + code[position + 1 :])
+    page_answers = node("labels", [{"texts": mistaken_labels}])[0]
+    differing_answers = {}
+    for label, page_answer in zip(mistaken_labels, page_answers, strict=True):
+        model_answer = description_of(library, label)
+        if page_answer != model_answer:
+            differing_answers[label] = (page_answer, model_answer)
+    assert differing_answers == {}
 
 
 @pytest.mark.slow

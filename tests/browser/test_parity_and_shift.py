@@ -44,7 +44,9 @@ def test_a_few_failing_words_are_noise(capsys: Capture) -> None:
 def test_the_page_names_the_same_mistakes(ask: Callable[[Library, str], Asker]) -> None:
     library = library_of("../specs/ams/as5047p")
     case = next(case for (case, *_) in cases(library.devices[0]) if case.layout.name == "position")
-    groups = [SHIFTED, (*SHIFTED, "0xA3BB"), ("0x255E", "0xA3BB")]
-    answers = ask(library, "node")("together", [{**case.data, "frames": [*group]} for group in groups])
-    texts_of_all = [[text for text, *_ in mistakes] if are_in_all else [] for mistakes, _, are_in_all in answers]
-    assert texts_of_all == [[LATE, EARLY], [], []]
+    frame_groups = [SHIFTED, (*SHIFTED, "0xA3BB"), ("0x255E", "0xA3BB")]
+    page_answers = ask(library, "node")("together", [{**case.data, "frames": [*group]} for group in frame_groups])
+    mistakes_of_all_frames = []
+    for mistakes, _, are_in_all in page_answers:
+        mistakes_of_all_frames.append([text for text, *_ in mistakes] if are_in_all else [])
+    assert mistakes_of_all_frames == [[LATE, EARLY], [], []]

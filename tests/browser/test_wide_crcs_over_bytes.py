@@ -157,7 +157,7 @@ def planted_frames(line: str, numbers: random.Random) -> Iterator[bytes]:
     """Yield valid frames of a line with mistakes."""
     case, crc = device_and_crc(line)
     crc_length = crc.width // 8
-    for _ in range(6):
+    for _ in range(2):
         data = data_with_constants(case, numbers)[:-crc_length]
         inverted = replace(crc, xorout=crc.xorout ^ crc.mask)
         in_other_order = replace(crc, refin=not crc.refin, refout=not crc.refout)
@@ -187,7 +187,7 @@ def test_the_page_finds_the_same(name: str, ask: Callable[[Library, str], Asker]
         if [*answer[:-1], len(answer[-1])] != [*explained[:-1], len(explained[-1])]
     }
     assert difference_by_frame == {}
-    assert sum(bool(explained[0]) for explained in expected) >= 60
+    assert sum(bool(explained[0]) for explained in expected) >= 20
 
 
 @pytest.mark.starts_process

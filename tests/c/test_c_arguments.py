@@ -59,15 +59,18 @@ def test_arguments_are_written_and_refused_as_by_the_model(
     name: str, code: str, arguments: Device, run_arguments: Run
 ) -> None:
     procedure, variant = arguments.procedure(name), arguments.variant(code)
-    names = [argument.name for argument in procedure.arguments]
-    plain = {name: VALUES[name][0] for name in names}
-    argument_sets = [plain, *({**plain, name: value} for name in names for value in VALUES[name][1:])]
-    lines = [f"{code} steps {name}{_in_hex(values, names)}" for values in argument_sets]
-    assert run_arguments(lines) == [steps_text(arguments, procedure, variant, values) for values in argument_sets]
-    if names:
-        answers = [line.split(" ")[0] for line in run_arguments(lines)]
-        assert "0" in answers
-        assert "4" in answers
+    argument_names = [argument.name for argument in procedure.arguments]
+    first_values = {name: VALUES[name][0] for name in argument_names}
+    argument_sets = [first_values]
+    for argument_name in argument_names:
+        argument_sets += [{**first_values, argument_name: value} for value in VALUES[argument_name][1:]]
+    program_input = [f"{code} steps {name}{_in_hex(values, argument_names)}" for values in argument_sets]
+    expected_steps = [steps_text(arguments, procedure, variant, values) for values in argument_sets]
+    assert run_arguments(program_input) == expected_steps
+    if argument_names:
+        result_codes = [line.split(" ")[0] for line in run_arguments(program_input)]
+        assert "0" in result_codes
+        assert "4" in result_codes
 
 
 def _in_hex(values: Mapping[str, int], names: list[str]) -> str:

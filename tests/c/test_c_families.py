@@ -191,25 +191,25 @@ def test_procedures_take_the_steps_of_the_model(family: Family) -> None:
 
 
 def arguments(device: Device, procedure: Procedure, variant: Variant) -> Iterable[Mapping[str, int]]:
-    """Each argument at its limits and beyond them, with allowed values for the others."""
-    possible = {}
+    """Yield values for a call: each argument at its limits and beyond them, with allowed values for the others."""
+    allowed_values, refused_values = {}, {}
     for argument in procedure.arguments:
         register = device.register(argument.of)
-        bounds = device.limits(register, argument.meant_as)
-        low, high = [bound.value(variant.parameters) if bound is not None else None for bound in bounds]
-        power = register.layout.fields[0].number.power_of_two
-        high = high if high is not None else (1 << 8 * register.length) - 1
-        inside = [low or 1, high] if power else [low or 0, (low or 0) + 1, high, high // 3]
-        possible[argument.name] = (
-            [value for value in inside if value <= high],
-            [value for value in ((low or 0) - 1, high + 1, 3 if power else -1) if 0 <= value < 1 << 64],
-        )
-    registers = {argument.name: device.register(argument.of) for argument in procedure.arguments}
-    yield {name: inside[0] for name, (inside, _) in possible.items()}
-    for name, (inside, outside) in possible.items():
-        sizes = 8 * registers[name].length
-        for value in (*inside, *(value for value in outside if value < 1 << sizes)):
-            yield {argument: value if argument == name else choices[0][0] for argument, choices in possible.items()}
+        minimum, maximum = device.limits(register, argument.meant_as)
+        lowest = minimum.value(variant.parameters) if minimum is not None else 0
+        above_register = 1 << 8 * register.length
+        highest = maximum.value(variant.parameters) if maximum is not None else above_register - 1
+        if register.layout.fields[0].number.power_of_two:
+            inside, outside = [lowest or 1, highest], [lowest - 1, highest + 1, 3]
+        else:
+            inside, outside = [lowest, lowest + 1, highest, highest // 3], [lowest - 1, highest + 1]
+        allowed_values[argument.name] = [value for value in inside if value <= highest]
+        refused_values[argument.name] = [value for value in outside if 0 <= value < above_register]
+    first_allowed_values = {name: values[0] for name, values in allowed_values.items()}
+    yield first_allowed_values
+    for name, values in allowed_values.items():
+        for value in (*values, *refused_values[name]):
+            yield {**first_allowed_values, name: value}
 
 
 #: Number of bytes of the reply to each request of a procedure: AMM5 7.3.2, SMA21 7.3.2.
@@ -341,27 +341,28 @@ def samples_of(expression: str, random_: random.Random) -> list[str]:
 
 def test_order_codes_are_found_as_in_the_model(family: Family) -> None:
     device, run = family
-    names = [part.name for part in device.order_code.parts if part.open]
+    open_parts = [part.name for part in device.order_code.parts if part.open]
     random_ = random.Random("labels")
-    pairs = []
+    request_and_expected = []
     for label in dict.fromkeys(labels(device, random_)):
         try:
             match = find_code(device, label)
         except UnknownOrderCode:
-            pairs.append((f"{label} find", "-"))
+            request_and_expected.append((f"{label} find", "-"))
             continue
-        listed = {name: text for name, text in match.variant.parts.items() if name not in match.unlisted}
-        stands_for = next(variant for variant in device.variants if listed.items() <= variant.parts.items())
-        pairs.append((f"{label} find", f"{stands_for.code} {sum(1 << names.index(name) for name in match.unlisted)}"))
+        listed_parts = {name: text for name, text in match.variant.parts.items() if name not in match.unlisted}
+        stands_for = next(variant for variant in device.variants if listed_parts.items() <= variant.parts.items())
+        unlisted_mask = sum(1 << open_parts.index(name) for name in match.unlisted)
+        request_and_expected.append((f"{label} find", f"{stands_for.code} {unlisted_mask}"))
         assert stands_for.parameters == match.variant.parameters
         assert stands_for.interface == match.variant.interface
-    answers = run(line for line, _ in pairs)
+    c_answers = run(request for request, _ in request_and_expected)
     differing = []
-    for (line, expected), answer in zip(pairs, answers, strict=True):
+    for (request, expected), answer in zip(request_and_expected, c_answers, strict=True):
         if answer.removesuffix(" 0" if expected == "-" else "\0") != expected:
-            differing.append((line, expected, answer))
+            differing.append((request, expected, answer))
     assert not differing, differing[:5]
-    assert bool(names) == any(not expected.endswith((" 0", "-")) for _, expected in pairs)
+    assert bool(open_parts) == any(not expected.endswith((" 0", "-")) for _, expected in request_and_expected)
 
 
 def test_an_open_part_before_a_digit_is_found_as_in_the_model(made_once: MadeOnce, tmp_path: Path) -> None:

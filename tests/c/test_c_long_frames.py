@@ -195,41 +195,46 @@ def _expected_verdict(values: Mapping[str, int]) -> int:
 def test_a_frame_from_the_line(code: str, program: Path) -> None:
     chance = random.Random(code)
     frames = list(frames_of(code, 200))
-    lines = [line_bits(code, frame_bits, chance.randint(1, 5), chance.randint(1, 37)) for _, frame_bits in frames]
-    for (raw, _), answer in zip(frames, answers(program, [hexadecimal(code, line) for line in lines]), strict=True):
-        values = dict(raw)
-        if "error" in values:
-            values |= {"error": 1 - raw["error"], "warning": 1 - raw["warning"]}
-        if "speed" in values:
-            values["speed"] -= (raw["speed"] >> 32) << 33
-        verdict = _expected_verdict(values)
-        position = 0 if verdict == 0 else raw["multiturn"] << 32 | raw["singleturn"]
-        assert answer == [OK, OK, verdict, position, *values.values()]
+    received_lines = []
+    for _, frame_bits in frames:
+        levels = line_bits(code, frame_bits, chance.randint(1, 5), chance.randint(1, 37))
+        received_lines.append(hexadecimal(code, levels))
+    for (sent_values, _), answer in zip(frames, answers(program, received_lines), strict=True):
+        expected_values = dict(sent_values)
+        if "error" in expected_values:
+            expected_values |= {"error": 1 - sent_values["error"], "warning": 1 - sent_values["warning"]}
+        if "speed" in expected_values:
+            expected_values["speed"] -= (sent_values["speed"] >> 32) << 33
+        verdict = _expected_verdict(expected_values)
+        position = 0 if verdict == 0 else sent_values["multiturn"] << 32 | sent_values["singleturn"]
+        assert answer == [OK, OK, verdict, position, *expected_values.values()]
 
 
 @pytest.mark.parametrize("code", FIELDS)
 def test_each_fault_of_a_line(code: str, program: Path) -> None:
     (*_, (_, frame_bits)) = frames_of(code, 5)
-    lines = {
+    faulty_lines_by_result = {
         LINE_HIGH: [[1] * 8 * size_of(code)],
         LINE_LOW: [[0, *line_bits(code, frame_bits)[:-1]]],
         CONSTANT: [line_bits(code, frame_bits, after=1)],
     }
     if FIELDS[code][0] == "biss":
-        lines[NO_START] = [[1, *[0] * 8 * size_of(code)]]
-        lines[LENGTH] = [line_bits(code, frame_bits, 1, 8 * size_of(code) - BITS[code] - 2)]
-    requests = [(result, hexadecimal(code, line)) for result, fault_lines in lines.items() for line in fault_lines]
-    assert answers(program, [text for _, text in requests]) == [[result] for result, _ in requests]
+        faulty_lines_by_result[NO_START] = [[1, *[0] * 8 * size_of(code)]]
+        faulty_lines_by_result[LENGTH] = [line_bits(code, frame_bits, 1, 8 * size_of(code) - BITS[code] - 2)]
+    expected_and_line = []
+    for result, faulty_lines in faulty_lines_by_result.items():
+        expected_and_line += [(result, hexadecimal(code, line)) for line in faulty_lines]
+    assert answers(program, [text for _, text in expected_and_line]) == [[result] for result, _ in expected_and_line]
 
 
 @pytest.mark.parametrize("code", CRCS)
 def test_each_wrong_bit_is_a_wrong_crc(code: str, program: Path) -> None:
     (*_, (_, frame_bits)) = frames_of(code, 5)
-    lines = []
-    for place in range(BITS[code]):
-        flipped = [bit ^ (place == at) for at, bit in enumerate(frame_bits)]
-        lines.append(hexadecimal(code, line_bits(code, flipped)))
-    assert answers(program, lines) == [[OK, CRC]] * BITS[code]
+    wrong_lines = []
+    for wrong_bit in range(BITS[code]):
+        wrong_frame_bits = [bit ^ (wrong_bit == bit_index) for bit_index, bit in enumerate(frame_bits)]
+        wrong_lines.append(hexadecimal(code, line_bits(code, wrong_frame_bits)))
+    assert answers(program, wrong_lines) == [[OK, CRC]] * BITS[code]
 
 
 @pytest.mark.parametrize("code", FIELDS)

@@ -264,39 +264,40 @@ def buffers(view: DeviceView, count: int) -> bytes:
     channels = channel_frame(view.context.interface)
     layouts = channels.layouts if channels is not None else (layout,)
     random_ = random.Random(view.code_row.macro)
-    placed = [sent.place(view.device.variants[0].parameters) for sent in layouts]
-    placed = [channel for channel in placed if channel.bits]
-    cases: list[Any] = [SimpleNamespace(device=view.device, placed=channel) for channel in placed]
+    placed_channels = [sent.place(view.device.variants[0].parameters) for sent in layouts]
+    placed_channels = [channel for channel in placed_channels if channel.bits]
+    cases: list[Any] = [SimpleNamespace(device=view.device, placed=channel) for channel in placed_channels]
     frames = list(zip(*(numbers(case, count, random_) for case in cases), strict=True))
     # Frames with one wrong bit and a correct CRC, which only the checks of constants and parity bits can detect.
     frames_without_reports = list(zip(*(frames_without_flags(case, random_) for case in cases), strict=True))
-    for index, channel in enumerate(placed):
+    for index, channel in enumerate(placed_channels):
         for bit in range(channel.bits):
             number = frames_without_reports[0][index]
             changed_bits = with_crc(view.device, channel, number ^ 1 << bit) ^ number
             for frame in frames_without_reports:
                 frames.append((*frame[:index], frame[index] ^ changed_bits, *frame[index + 1 :]))
-    received = []
+    received_buffers = []
     for frame in frames:
         if layout.in_bytes:
-            received.append(number_to_bytes(layout, frame[0], placed[0].bits))
+            received_buffers.append(number_to_bytes(layout, frame[0], placed_channels[0].bits))
         else:
-            bits = "".join(f"{number:0{channel.bits}b}" for number, channel in zip(frame, placed, strict=True))
-            bits = BITS_BEFORE[interface] + bits
-            bits += "0" * (-len(bits) % 8 + 16 * (interface != "spi"))
+            line_bits = BITS_BEFORE[interface]
+            for number, channel in zip(frame, placed_channels, strict=True):
+                line_bits += f"{number:0{channel.bits}b}"
+            line_bits += "0" * (-len(line_bits) % 8 + 16 * (interface != "spi"))
             # The header of a short BiSS word needs a buffer of at least 8 bytes.
-            bits = bits.ljust(64, "0") if interface == "biss" else bits
-            received.append(int(bits, 2).to_bytes(len(bits) // 8, "big"))
-    return b"".join(len(data).to_bytes(8, "little") + data for data in received)
+            line_bits = line_bits.ljust(64, "0") if interface == "biss" else line_bits
+            received_buffers.append(int(line_bits, 2).to_bytes(len(line_bits) // 8, "big"))
+    return b"".join(len(received_bytes).to_bytes(8, "little") + received_bytes for received_bytes in received_buffers)
 
 
 def frames_without_flags(case: Any, random_: random.Random) -> list[int]:
     """Some valid frames in which no flag is active, so that no flag makes the position unusable."""
     fields = [field for field in case.placed.fields if field.field.carries_data]
-    choices = {field.name: samples(field.field, field.width, case.placed.layout, random_) for field in fields}
-    kinds = {field.name: field.field.kind for field in fields}
-    inactive = {name: int(kind.active_low) for name, kind in kinds.items() if isinstance(kind, Flag)}
-    return [encoded_sample(case.device, case.placed, choices, inactive, random_) for _ in range(8)]
+    samples_by_field = {field.name: samples(field.field, field.width, case.placed.layout, random_) for field in fields}
+    kind_by_field = {field.name: field.field.kind for field in fields}
+    inactive_flag_bits = {name: int(kind.active_low) for name, kind in kind_by_field.items() if isinstance(kind, Flag)}
+    return [encoded_sample(case.device, case.placed, samples_by_field, inactive_flag_bits, random_) for _ in range(8)]
 
 
 @pytest.mark.slow

@@ -487,26 +487,26 @@ def test_what_is_saved_or_activated_is_read_back() -> None:
 @pytest.mark.parametrize("case", VERIFIED, ids=case_name)
 def test_a_disturbed_value_is_never_saved(case: Case, tested_machines: Callable[[str], Machine]) -> None:
     """In each byte that is written whole, each bit is inverted. The command that depends on it is not sent."""
-    count = 0
+    disturbed_bits = 0
     for index, (access, failure) in enumerate(case.lines):
-        whole = index == 0 or case.lines[index - 1][1][:2] != (failure[0], WRITE)
-        if not access.startswith("w ") or access.startswith((*COMMANDS, OPENS)) or not whole:
+        is_first_byte_of_write = index == 0 or case.lines[index - 1][1][:2] != (failure[0], WRITE)
+        if not access.startswith("w ") or access.startswith((*COMMANDS, OPENS)) or not is_first_byte_of_write:
             continue
         for bit in range(8):
             encoder = case.encoder()
             encoder.disturbed = {index: 1 << bit}
             answer = tested_machines(case.family).run(case.procedure, case.code, case.arguments, encoder)
-            place, value = int(access.split()[1], 16), int(access.split()[2], 16) ^ 1 << bit
+            address, read_back = int(access.split()[1], 16), int(access.split()[2], 16) ^ 1 << bit
             verifications = [line for line in case.lines[index:] if line[1][1] == VERIFY_STEP]
-            verification = next(line for line in verifications if line[1][3] == place)
-            at = case.lines.index(verification, index)
-            closing = ["w 40 00"] if case.family == "amm5" else []
-            assert answer.record == [*(line for line, _ in case.lines[: at + 1]), *closing]
+            verification = next(line for line in verifications if line[1][3] == address)
+            verification_index = case.lines.index(verification, index)
+            closing_accesses = ["w 40 00"] if case.family == "amm5" else []
+            assert answer.record == [*(line for line, _ in case.lines[: verification_index + 1]), *closing_accesses]
             assert not [line for line in answer.record[index:] if line.startswith(COMMANDS)]
             assert (answer.result, answer.left_open) == (VERIFY, False)
-            assert answer.failure == (verification[1][0], VERIFY_STEP, VERIFY_STEP, place, value)
-            count += 1
-    assert count >= 8 or case.procedure == "select_preset"
+            assert answer.failure == (verification[1][0], VERIFY_STEP, VERIFY_STEP, address, read_back)
+            disturbed_bits += 1
+    assert disturbed_bits >= 8 or case.procedure == "select_preset"
 
 
 def test_a_field_that_was_not_stored_is_seen(tested_machines: Callable[[str], Machine]) -> None:

@@ -34,15 +34,15 @@ def devices(edits: Edits) -> tuple[Device, ...]:
 
 @cache
 def _devices(edits: tuple[tuple[str, str], ...]) -> tuple[Device, ...]:
-    texts = {path.name: path.read_text(encoding="utf-8") for path in BASE.glob("*.yaml")}
+    text_by_file = {path.name: path.read_text(encoding="utf-8") for path in BASE.glob("*.yaml")}
     for old, new in edits:
-        names_with_text = [name for name, text in texts.items() if text.count(old) == 1]
-        assert len(names_with_text) == 1, (old, [text.count(old) for text in texts.values()])
-        texts[names_with_text[0]] = texts[names_with_text[0]].replace(old, new)
-    device = next(line for line in texts["demo.yaml"].splitlines() if line.startswith("device: "))
-    texts[f"{device.removeprefix('device: ')}.yaml"] = texts.pop("demo.yaml")
+        files_with_text = [name for name, text in text_by_file.items() if text.count(old) == 1]
+        assert len(files_with_text) == 1, (old, [text.count(old) for text in text_by_file.values()])
+        text_by_file[files_with_text[0]] = text_by_file[files_with_text[0]].replace(old, new)
+    device_line = next(line for line in text_by_file["demo.yaml"].splitlines() if line.startswith("device: "))
+    text_by_file[f"{device_line.removeprefix('device: ')}.yaml"] = text_by_file.pop("demo.yaml")
     with TemporaryDirectory() as folder:
-        for name, text in texts.items():
+        for name, text in text_by_file.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
         loaded, report = load_library([Path(folder)])
     assert not report.problems, "\n".join(problem.format() for problem in report.problems)

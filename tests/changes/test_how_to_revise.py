@@ -59,7 +59,7 @@ def output_of(command: str, work: Path, variables: dict[str, str]) -> str:
     return done.stdout
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_its_session(tmp_path: Path) -> None:
     work, variables = create_repository(tmp_path)
     for command, output in steps():

@@ -160,7 +160,7 @@ EACH = pytest.mark.parametrize(
 )
 
 
-@pytest.mark.one_in(15, "exhaustive")
+@pytest.mark.one_in(30, "exhaustive")
 @EACH
 def test_no_damage_makes_it_raise(path: pathlib.Path) -> None:
     """Remove or replace random places of a valid spec. The result is problems or a valid spec, never an exception."""
@@ -176,7 +176,7 @@ def test_no_damage_makes_it_raise(path: pathlib.Path) -> None:
             assert problem.format()
 
 
-@pytest.mark.one_in(10, "exhaustive")
+@pytest.mark.one_in(20, "exhaustive")
 @EACH
 def test_the_quick_test_agrees_with_jsonschema(path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It accepts each valid spec, so that jsonschema is not imported, and nothing that jsonschema rejects."""

@@ -77,13 +77,14 @@ def test_help_and_wrong_options(site: Path, tmp_path: Path) -> None:
 
 
 def test_its_problems(site: Path) -> None:
-    spec = (ROOT / "specs/lika/sma21.yaml").read_text(encoding="utf-8").splitlines()
-    name = next(index for index, line in enumerate(spec) if "name: device_id" in line)
-    line, text = next((index, line) for index, line in enumerate(spec) if index >= name and "length: 6" in line)
-    place = f"specs/lika/sma21.yaml:{line + 1}:{text.index('length: 6') + len('length: ') + 1}"
-    code, out, _ = run(site, ROOT, "check", "specs/lika/sma21.yaml", "--target", "plc")
+    spec_lines = (ROOT / "specs/lika/sma21.yaml").read_text(encoding="utf-8").splitlines()
+    name_index = next(index for index, line in enumerate(spec_lines) if "name: device_id" in line)
+    length_index = next(index for index in range(name_index, len(spec_lines)) if "length: 6" in spec_lines[index])
+    column = spec_lines[length_index].index("length: 6") + len("length: ") + 1
+    place = f"specs/lika/sma21.yaml:{length_index + 1}:{column}"
+    code, printed, _ = run(site, ROOT, "check", "specs/lika/sma21.yaml", "--target", "plc")
     assert code == 1
-    assert f"{place}: plc-length: 'device_id' has 6 bytes, and a number of the PLC has 4\n" in out
+    assert f"{place}: plc-length: 'device_id' has 6 bytes, and a number of the PLC has 4\n" in printed
 
 
 @pytest.mark.exhaustive

@@ -99,18 +99,18 @@ def test_addresses_and_contents_by_which_an_encoder_is_recognised(devices: Mappi
 
 def test_frames_and_resolutions_side_by_side(devices: Mapping[str, Device], pages: Files) -> None:
     page = pages["docs/compare-encoders.md"]
-    for _, _, frame, bits, order, _ in cells(page, "## Frames with a position"):
+    for _, _, frame, printed_lengths, order, _ in cells(page, "## Frames with a position"):
         ((_, name, layout_name),) = LINK.findall(frame)
         ((interface, layout),) = (pair for pair in devices[name].layouts() if pair[1].name == layout_name)
         variants = [variant for variant in devices[name].variants if variant.interface == interface.name]
-        lengths = {layout.place(variant.parameters).bits for variant in variants}
-        assert numbers(bits, 10) == sorted({min(lengths), max(lengths)}), frame
+        frame_lengths = {layout.place(variant.parameters).bits for variant in variants}
+        assert numbers(printed_lengths, 10) == sorted({min(frame_lengths), max(frame_lengths)}), frame
         assert order.split()[0] == (layout.byte_order.split("_")[0] if layout.in_bytes else "most")
-    for family, quantity, values, _, _ in cells(page, "## Resolution"):
+    for family, quantity, printed_values, _, _ in cells(page, "## Resolution"):
         device = devices[family.split("(")[1].removesuffix(".md)")]
         (name,) = [parameter.name for parameter in device.set_parameters if parameter.meaning == quantity]
         settings = {variant.parameters[name] for variant in device.variants if name in variant.parameters}
-        assert sorted(settings) == numbers(values, 10), quantity
+        assert sorted(settings) == numbers(printed_values, 10), quantity
 
 
 def test_interfaces_stand_together(pages: Files) -> None:

@@ -39,7 +39,7 @@ def environment(folder: Path) -> dict[str, str]:
     return {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}", "PYTHONIOENCODING": "utf-8"}
 
 
-@pytest.mark.one_in(6, "exhaustive")
+@pytest.mark.one_in(12, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("page", [*PAGES, *QUESTIONS, SPI], ids=lambda page: page.stem)
 def test_its_commands(page: Path, tmp_path: Path) -> None:

@@ -42,7 +42,7 @@ def test_all_four_targets(generated: Path) -> None:
 # --------------------------------------------------------------------------------------------------------------- Python
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_python_is_strict(generated: Path) -> None:
     command = [
         sys.executable,

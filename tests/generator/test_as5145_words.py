@@ -29,25 +29,26 @@ def test_every_word(import_generated: Callable[[Library, str], tuple[Path, Modul
     encoder: Any = module.lookup("AS5145B")
     words = np.arange(1 << 18, dtype=np.uint64)
     table = encoder.decode_many(words)
-    ones = sum(words >> np.uint64(place) & np.uint64(1) for place in range(18))
-    is_even = ones % np.uint64(2) == 0
+    count_of_ones = sum(words >> np.uint64(bit) & np.uint64(1) for bit in range(18))
+    is_even = count_of_ones % np.uint64(2) == 0
     assert (table.ok == is_even).all()
     assert int(table.ok.sum()) == 131_072
-    valid, status = words[is_even], (words & np.uint64(63))[is_even]
-    assert (table["position"][is_even] == (valid & np.uint64(262080)) >> np.uint64(6)).all()
-    bits = {"cordic_overflow": 16, "linearity_alarm": 8, "field_increasing": 4, "field_decreasing": 2}
-    for name, mask in bits.items():
-        assert (table[name][is_even] == (status & np.uint64(mask) != 0)).all(), name
-    is_ready = status & np.uint64(32) != 0
+    valid_words, status_of_valid = words[is_even], (words & np.uint64(63))[is_even]
+    assert (table["position"][is_even] == (valid_words & np.uint64(262080)) >> np.uint64(6)).all()
+    mask_by_flag = {"cordic_overflow": 16, "linearity_alarm": 8, "field_increasing": 4, "field_decreasing": 2}
+    for name, mask in mask_by_flag.items():
+        assert (table[name][is_even] == (status_of_valid & np.uint64(mask) != 0)).all(), name
+    is_ready = status_of_valid & np.uint64(32) != 0
     assert (table["not_ready"][is_even] == ~is_ready).all()
     # Valid: OCF = 1, COF = 0, LIN = 0. Both bits of the field together are a warning.
-    is_usable = is_ready & (status & np.uint64(24) == 0)
-    is_out_of_range = status & np.uint64(6) == 6
-    names = [encoder.decode(int(word)).verdict.value for word in valid[:64]]
+    is_usable = is_ready & (status_of_valid & np.uint64(24) == 0)
+    is_out_of_range = status_of_valid & np.uint64(6) == 6
+    first_verdicts = [encoder.decode(int(word)).verdict.value for word in valid_words[:64]]
     expected = np.where(is_usable, np.where(is_out_of_range, "usable_with_warning", "usable"), "not_usable")
-    assert names == expected[:64].tolist()
-    numbers = {
+    assert first_verdicts == expected[:64].tolist()
+    verdict_numbers = {
         name: table.verdict[is_even][expected == name] for name in ("usable", "usable_with_warning", "not_usable")
     }
-    assert {name: len(set(column.tolist())) for name, column in numbers.items()} == dict.fromkeys(numbers, 1)
-    assert len({int(column[0]) for column in numbers.values()}) == 3
+    for name, column in verdict_numbers.items():
+        assert len(set(column.tolist())) == 1, name
+    assert len({int(column[0]) for column in verdict_numbers.values()}) == 3

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from codewheel.loading.configuration import BUILT_IN
 from codewheel.loading.library import Family, load_families
 from codewheel.targets import Library
 from codewheel.targets.registry import files_of, load_target
+from exhaustive import mostly_exhaustive
 
 TV62 = Path(__file__).resolve().parents[2] / "docs" / "example" / "tolvarn"
 
@@ -86,8 +88,6 @@ def test_generate_writes_the_same_with_and_without_the_cache(
     without = generate("plain", "--no-cache")
     assert (entries(folder), generate("cold"), generate("warm")) == ([], without, without)
     assert tree("cold") == tree("warm") == tree("plain")
-    assert generate("warm") == generate("plain", "--no-cache")
-    assert generate("warm", "--check") == generate("plain", "--no-cache", "--check")
     for out in ("warm", "plain"):
         (tmp_path / out / "c" / "README.md").write_text("spoilt", encoding="utf-8")
         (tmp_path / out / "docs" / "tv62.md").unlink()
@@ -99,9 +99,6 @@ def test_generate_writes_the_same_with_and_without_the_cache(
     option = ("--option", "biss.order-codes=each")
     assert generate("warm", *option) == generate("plain", *option, "--no-cache")
     assert tree("warm") == tree("plain")
-    assert generate("warm", "--option", "biss.order-codes=none") == generate(
-        "plain", "--no-cache", "--option", "biss.order-codes=none"
-    )
 
 
 @pytest.mark.slow
@@ -242,29 +239,35 @@ def test_generate_with_one_change_writes_the_same_with_and_without_the_cache(
     same()
 
 
+def files_below(files: Mapping[str, bytes], folder: str) -> dict[str, bytes]:
+    return {path: content for path, content in files.items() if path.startswith(f"{folder}/")}
+
+
 @pytest.mark.slow
-def test_generate_may_be_killed_at_any_moment(folder: Path, two: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("kill_count", mostly_exhaustive([2, 10], 2))
+def test_generate_may_be_killed_at_any_moment(kill_count: int, folder: Path, two: Path, tmp_path: Path) -> None:
     environment = {**os.environ, "XDG_CACHE_HOME": str(folder.parent)}
     spec, out, chance = two / "tv63.yaml", tmp_path / "out", random.Random(33)
-    text = spec.read_text(encoding="utf-8")
+    spec_text = spec.read_text(encoding="utf-8")
 
-    def command(place: Path, *options: str) -> list[str]:
-        return [sys.executable, "-m", "codewheel", "generate", str(two), "-o", str(place), *options]
+    def command(output_folder: Path, *options: str) -> list[str]:
+        return [sys.executable, "-m", "codewheel", "generate", str(two), "-o", str(output_folder), *options]
 
     subprocess.run(command(out), env=environment, capture_output=True, check=True)
     before = tree_of(out)
-    spec.write_text(text.replace("TV63", "TV64"), encoding="utf-8")
+    spec.write_text(spec_text.replace("TV63", "TV64"), encoding="utf-8")
     subprocess.run(command(tmp_path / "plain", "--no-cache"), capture_output=True, check=True)
     after = tree_of(tmp_path / "plain")
-    for _ in range(5):
+    for _ in range(kill_count):
         running = subprocess.Popen(command(out), env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         time.sleep(chance.uniform(0.2, 2.0))
         running.kill()
         running.wait()
-        found = tree_of(out)
+        files_after_kill = tree_of(out)
         for target in BUILT_IN:
-            mine = {path: data for path, data in found.items() if path.startswith(f"{target}/")}
-            assert mine in [{p: d for p, d in one.items() if p.startswith(f"{target}/")} for one in (before, after)]
-    done = subprocess.run(command(out), env=environment, capture_output=True, check=True)
-    assert done.stderr == b""
+            # Each target has replaced all of its files, or none.
+            actual_files = files_below(files_after_kill, target)
+            assert actual_files in (files_below(before, target), files_below(after, target))
+    last_run = subprocess.run(command(out), env=environment, capture_output=True, check=True)
+    assert last_run.stderr == b""
     assert tree_of(out) == after

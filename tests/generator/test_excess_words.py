@@ -114,12 +114,12 @@ def decode_in_columns(device: Device, code: str, words: Sequence[int], import_ge
 def decode_in_c(device: Device, code: str, words: Sequence[int], _: Import, folder: Path) -> list[int]:
     compile_programs([*GCC, "-Wall", "-Wextra", "-Wconversion", "-Werror"], device, folder, write(folder, (device,)))
     run = runner_over(device, folder)
-    answers = [answer.split() for answer in run([f"{code} decode word {word:X}" for word in words])]
-    results = [int(answer[1]) if answer[0] == "0" else RANGE for answer in answers]
-    assert {answer[0] for answer in answers} <= {"0", "4"}
-    encoded = run([f"{code} encode word {position}" for position in results if position != RANGE])
-    sent = [word for word, position in zip(words, results, strict=True) if position != RANGE]
-    assert [int(answer.split()[1], 16) for answer in encoded] == sent
+    decode_answers = [answer.split() for answer in run([f"{code} decode word {word:X}" for word in words])]
+    results = [int(answer[1]) if answer[0] == "0" else RANGE for answer in decode_answers]
+    assert {answer[0] for answer in decode_answers} <= {"0", "4"}
+    encode_answers = run([f"{code} encode word {position}" for position in results if position != RANGE])
+    valid_words = [word for word, position in zip(words, results, strict=True) if position != RANGE]
+    assert [int(answer.split()[1], 16) for answer in encode_answers] == valid_words
     return results
 
 

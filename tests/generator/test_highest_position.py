@@ -250,31 +250,33 @@ def test_frames_of_rings_have_the_right_crc() -> None:
 def test_a_product_that_depends_on_the_order_code(formula: str, tmp_path: Path) -> None:
     """As many positions as counts times turns are valid in the reference, Python, its columns, and C."""
     counts, turns, codes = FORMULAS[formula]
-    text = SPECS[1].with_name("ring_turns.yaml").read_text(encoding="utf-8")
-    text = text.replace("counts_per_turn: counts, turns: turns,", f"counts_per_turn: {counts}, turns: {turns},")
-    listed = {value for code in codes for value in code[:-1].split("x")}
-    text = VALUE.sub(lambda line: line[0] if line[1] in listed else "", text)
+    spec_text = SPECS[1].with_name("ring_turns.yaml").read_text(encoding="utf-8")
+    measured = "counts_per_turn: counts, turns: turns,"
+    spec_text = spec_text.replace(measured, f"counts_per_turn: {counts}, turns: {turns},")
+    listed_values = {value for code in codes for value in code[:-1].split("x")}
+    spec_text = VALUE.sub(lambda line: line[0] if line[1] in listed_values else "", spec_text)
     if turns != "turns":  # Nothing depends on the parameter any more. SSI has the counts alone.
-        text = re.sub(r"^  turns: .*\n|, turns: \d+(?=\}\})", "", text, flags=re.MULTILINE)
-    spec = tmp_path / "ring_turns.yaml"
-    spec.write_text(text, encoding="utf-8")
-    (ring,), report = load_library([SPECS[0], spec])
+        spec_text = re.sub(r"^  turns: .*\n|, turns: \d+(?=\}\})", "", spec_text, flags=re.MULTILINE)
+    spec_path = tmp_path / "ring_turns.yaml"
+    spec_path.write_text(spec_text, encoding="utf-8")
+    (ring,), report = load_library([SPECS[0], spec_path])
     assert not report
     for code in codes:
         placed = ring.layout("word").place(ring.variant(code).parameters)
-        answers = {frame: not codec.decode(ring, placed, frame).problems for frame in ring_frames(code)}
-        assert answers == ring_frames(code)
-    assert main(["generate", str(SPECS[0]), str(spec), "-o", str(tmp_path), "--target", "c", "--target", "python"]) == 0
-    cases = [(code, RINGS[code][2] + 8, ring_frames(code)) for code in codes]
-    run_python(tmp_path, RINGS_IN_PYTHON.format(cases=cases))
-    lines = []
-    for code, _, frames in cases:
+        is_valid_by_frame = {frame: not codec.decode(ring, placed, frame).problems for frame in ring_frames(code)}
+        assert is_valid_by_frame == ring_frames(code)
+    targets = ("--target", "c", "--target", "python")
+    assert main(["generate", str(SPECS[0]), str(spec_path), "-o", str(tmp_path), *targets]) == 0
+    frames_by_code = [(code, RINGS[code][2] + 8, ring_frames(code)) for code in codes]
+    run_python(tmp_path, RINGS_IN_PYTHON.format(cases=frames_by_code))
+    c_statements = []
+    for code, _, frames in frames_by_code:
         for frame, is_valid in frames.items():
             variant = f"TEST_RING_TURNS_BISS_{code.upper()}"
             word = f"cw_word_of({frame}U, test_ring_turns_biss_bits({variant}))"
             call = f"test_ring_turns_biss_decode({variant}, {word}, &frame)"
-            lines.append(f"    ok &= ({call} == {'CW_OK' if is_valid else 'CW_FAULT_RANGE'});")
-    assert run_c(tmp_path, RINGS_IN_C % "\n".join(lines)) == "1"
+            c_statements.append(f"    ok &= ({call} == {'CW_OK' if is_valid else 'CW_FAULT_RANGE'});")
+    assert run_c(tmp_path, RINGS_IN_C % "\n".join(c_statements)) == "1"
 
 
 @pytest.mark.slow

@@ -96,12 +96,8 @@ def test_ours_run_behind_the_same_guard(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("codewheel.targets.docs.files._index_values", fails)
-    assert (
-        main(
-            ["generate", str(ROOT / "tests" / "specs" / "words.yaml"), "-o", str(tmp_path / "out"), "--target", "docs"]
-        )
-        == 1
-    )
+    specs = str(ROOT / "docs" / "example" / "tolvarn")
+    assert main(["generate", specs, "-o", str(tmp_path / "out"), "--target", "docs"]) == 1
     err = capsys.readouterr().err
     assert err.startswith("codewheel: the target 'docs' fails: KeyError: 'a\\nb' (")
     assert err.count("\n") == 1

@@ -263,9 +263,10 @@ def test_no_output_looks_at_kinds(output: str) -> None:
     modules = {path: names_from_model(path) for path in source.rglob("*.py")}
     assert "Device" in set().union(*modules.values())
     assert {path.name: names & _KINDS for path, names in modules.items() if names & _KINDS} == {}
-    tests = (re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower() for name in _KINDS)
-    looks = r"\bfield\.kind\b|\.kind\.|\.number\.(signed|zero_means)\b"
-    asks = rf"\bis (not )?({'|'.join(tests)})\b|{looks}"
-    files = {**dict.fromkeys(source.rglob("*.py"), looks), **dict.fromkeys(templates.glob("*.jinja"), asks)}
-    texts = {path: path.read_text(encoding="utf-8") for path in files}
-    assert [path.name for path, pattern in files.items() if re.search(pattern, texts[path])] == []
+    test_names = (re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower() for name in _KINDS)
+    attribute_pattern = r"\bfield\.kind\b|\.kind\.|\.number\.(signed|zero_means)\b"
+    template_pattern = rf"\bis (not )?({'|'.join(test_names)})\b|{attribute_pattern}"
+    pattern_by_file = dict.fromkeys(source.rglob("*.py"), attribute_pattern)
+    pattern_by_file |= dict.fromkeys(templates.glob("*.jinja"), template_pattern)
+    text_by_file = {path: path.read_text(encoding="utf-8") for path in pattern_by_file}
+    assert [path.name for path, pattern in pattern_by_file.items() if re.search(pattern, text_by_file[path])] == []

@@ -214,14 +214,14 @@ def decode_in_c(
     compile_programs([*GCC, "-Wall", "-Wextra", "-Werror"], device, folder, write(folder, (device,)))
     variant = next(variant for variant in device.variants if variant.code == code)
     view = next(view for view in by_interface(device) if view.interfaces[0].name == variant.interface)
-    names = {1 << report.number: report.name for report in reports_of(view)}
-    texts = [frame.hex().upper() if isinstance(frame, bytes) else f"{frame:X}" for frame in frames]
-    answers = runner_over(device, folder)([f"{code} tells {layout} {text}" for text in texts])
+    report_name_by_bit = {1 << report.number: report.name for report in reports_of(view)}
+    frame_texts = [frame.hex().upper() if isinstance(frame, bytes) else f"{frame:X}" for frame in frames]
+    program_answers = runner_over(device, folder)([f"{code} tells {layout} {text}" for text in frame_texts])
     results = []
-    for answer in answers:
-        fault, verdict, mask = answer.split()
+    for answer in program_answers:
+        fault, verdict, report_mask = answer.split()
         assert fault == "0"
-        reports = frozenset(name for bit, name in names.items() if int(mask, 16) & bit)
+        reports = frozenset(name for bit, name in report_name_by_bit.items() if int(report_mask, 16) & bit)
         results.append((VERDICTS[int(verdict)], reports))
     return results
 

@@ -172,24 +172,24 @@ def test_the_command_line_lists_them(
 ) -> None:
     """Run the command on every mistake once for each family, one frame per line, and validate its JSON."""
     source = random.Random(encoder.code)
-    plants = [plant for maker in MISTAKES for plant in maker(encoder, source)]
-    monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{plant.text}\n" for plant in plants)))
+    planted_mistakes = [planted for maker in MISTAKES for planted in maker(encoder, source)]
+    monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{planted.text}\n" for planted in planted_mistakes)))
     chosen = ["--choose", "zero_bit=as_printed"] if encoder.below else []
     assert main(["decode", encoder.code, "-", "--json", *chosen]) == 1
     schema = jsonschema.Draft202012Validator(
         json.loads((resources.files("codewheel.language") / "decode.schema.json").read_text(encoding="utf-8"))
     )
     lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == len(plants) > 20
-    for plant, data in zip(plants, map(json.loads, lines), strict=True):
-        schema.validate(data)
-        if data["why"] is None:
-            assert data["problems"] == []
+    assert len(lines) == len(planted_mistakes) > 20
+    for planted, decoded in zip(planted_mistakes, map(json.loads, lines), strict=True):
+        schema.validate(decoded)
+        if decoded["why"] is None:
+            assert decoded["problems"] == []
             continue
-        explanations = data["why"]["explanations"]
-        of_kind = [explanation for explanation in explanations if explanation["kind"] == plant.kind]
-        texts = [explanation["text"] + " ".join(explanation["order_codes"]) for explanation in of_kind]
-        assert any(plant.words in text for text in texts), (plant, explanations)
+        explanations = decoded["why"]["explanations"]
+        explanations_of_kind = [explanation for explanation in explanations if explanation["kind"] == planted.kind]
+        texts = [explanation["text"] + " ".join(explanation["order_codes"]) for explanation in explanations_of_kind]
+        assert any(planted.words in text for text in texts), (planted, explanations)
 
 
 @pytest.mark.slow

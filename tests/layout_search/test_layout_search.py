@@ -99,10 +99,11 @@ def test_the_first_line_decodes_other_frames() -> None:
 
 def test_start_value_and_inversion_are_one_class() -> None:
     answers, frames = answers_for(LAYOUTS[0], 20, 3)
-    forms = [parse_line(line).fields[-1] for line in (answers[0].line, *(same.line for same in answers[0].equal_lines))]
-    for form in forms:
-        assert shift_register(frames[0][:-6], 6, 0x43, form.init, form.is_inverted) == frames[0][-6:]  # type: ignore[union-attr]
-    assert len({(form.init, form.is_inverted) for form in forms}) == 2  # type: ignore[union-attr]
+    equal_lines = [answers[0].line, *(same.line for same in answers[0].equal_lines)]
+    crc_fields = [parse_line(line).fields[-1] for line in equal_lines]
+    for crc_field in crc_fields:
+        assert shift_register(frames[0][:-6], 6, 0x43, crc_field.init, crc_field.is_inverted) == frames[0][-6:]  # type: ignore[union-attr]
+    assert len({(crc_field.init, crc_field.is_inverted) for crc_field in crc_fields}) == 2  # type: ignore[union-attr]
     reasons = [same.reason for same in answers[0].equal_lines]
     assert any("start value and inversion" in reason for reason in reasons)
 

@@ -92,10 +92,11 @@ def test_what_is_printed(capsys: pytest.CaptureFixture[str], pages: dict[str, st
 
 def test_as_data(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["master", "AMM5A21/65KSC1", "--master", "beckhoff_el5042", "--json"]) == 0
-    data: dict[str, Any] = json.loads(capsys.readouterr().out)["masters"][0]
-    voltage = next(setting for setting in data["settings"] if setting["name"] == "Supply Voltage")
+    master_data: dict[str, Any] = json.loads(capsys.readouterr().out)["masters"][0]
+    voltage = next(setting for setting in master_data["settings"] if setting["name"] == "Supply Voltage")
     assert voltage["value"] == 50
-    assert [(place["default"], place["is_default"]) for place in voltage["places"]] == [(50, True), (50, True)]
-    rules = [rule for rule in data["writing"] if rule["of"] == ["Supply Voltage"]]
-    assert [write["value"] for rule in rules for write in rule["needs"]] == [0x72657375]
-    assert [rule["takes_effect"]["in_state"] for rule in rules if rule["takes_effect"]] == ["INIT"]
+    defaults = [(setting_place["default"], setting_place["is_default"]) for setting_place in voltage["places"]]
+    assert defaults == [(50, True), (50, True)]
+    voltage_rules = [rule for rule in master_data["writing"] if rule["of"] == ["Supply Voltage"]]
+    assert [write["value"] for rule in voltage_rules for write in rule["needs"]] == [0x72657375]
+    assert [rule["takes_effect"]["in_state"] for rule in voltage_rules if rule["takes_effect"]] == ["INIT"]

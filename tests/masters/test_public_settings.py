@@ -67,11 +67,11 @@ FILES: list[tuple[str, str, Values, dict[int, str]]] = [
 
 def generated_values(capsys: pytest.CaptureFixture[str], code: str) -> Values:
     assert main(["master", code, "--master", "beckhoff_el5042", "--format", "ecmc", "--specs", str(ENCODERS)]) == 0
-    objects = readers.ecmc(capsys.readouterr().out)
-    assert {index for index, _ in objects} == {0x8008}
-    for (_, subindex), (_, size) in objects.items():
-        assert size == (4 if subindex == 0x11 else 1)
-    return {subindex: value for (_, subindex), (value, _) in objects.items()}
+    value_and_size_by_object = readers.ecmc(capsys.readouterr().out)
+    assert {index for index, _ in value_and_size_by_object} == {0x8008}
+    for (_, subindex), (_, byte_count) in value_and_size_by_object.items():
+        assert byte_count == (4 if subindex == 0x11 else 1)
+    return {subindex: value for (_, subindex), (value, _) in value_and_size_by_object.items()}
 
 
 @pytest.mark.parametrize(("code", "name", "theirs", "why"), FILES, ids=[name for _, name, *_ in FILES])

@@ -185,14 +185,14 @@ def number_with_parameter(register: Register, parameter: Any, kind: str, source:
     """Return the content of a register whose field has the lowest, the highest or any value of a parameter."""
     field = register.layout.field(parameter.field)
     mask = (1 << field.widest) - 1
-    low, high = parameter.min or 0, parameter.max if parameter.max is not None else mask
-    value = {"min": low, "max": high}.get(kind, source.randint(low, high))
-    raw = value if value != field.number.zero_means else 0
+    lowest, highest = parameter.min or 0, parameter.max if parameter.max is not None else mask
+    value = {"min": lowest, "max": highest}.get(kind, source.randint(lowest, highest))
+    field_bits = value if value != field.number.zero_means else 0
     if parameter.by_code:
-        codes = [named.code for named in parameter.by_code if named.value == value or kind == "random"]
-        raw = codes[0]
-    place = field.low.constant
-    return (register.default or 0) & ~(mask << place) | raw << place
+        matching_codes = [named.code for named in parameter.by_code if named.value == value or kind == "random"]
+        field_bits = matching_codes[0]
+    lowest_bit = field.low.constant
+    return (register.default or 0) & ~(mask << lowest_bit) | field_bits << lowest_bit
 
 
 def cases(family: Family) -> Iterator[Case]:

@@ -251,18 +251,19 @@ def test_capture_command(command: Command) -> None:
 
 def test_capture_with_si_units(command: Command) -> None:
     line = Biss()
-    for place in range(5):
-        line.cycle(biss_word(place << 10), 40)
+    for position in range(5):
+        line.cycle(biss_word(position << 10), 40)
     samples = numpy.array(line.finish().samples(10), numpy.uint8)
     numpy.save("it.npy", samples)
-    turn = "--biss", "multiturn=8,singleturn=24,error,warning,crc=6:0x43"
-    code, out, _ = command("capture", "it.npy", *turn, "--rate", "10MHz", "--si")
-    rows = list(csv.DictReader(io.StringIO(out)))
+    layout_options = "--biss", "multiturn=8,singleturn=24,error,warning,crc=6:0x43"
+    code, printed, _ = command("capture", "it.npy", *layout_options, "--rate", "10MHz", "--si")
+    rows = list(csv.DictReader(io.StringIO(printed)))
     assert (code, len(rows)) == (0, 5)
-    step = 1024 / (1 << 24) * 2 * math.pi
-    assert [float(row["radians"]) for row in rows] == pytest.approx([step * place for place in range(5)])
+    radians_per_frame = 1024 / (1 << 24) * 2 * math.pi
+    expected_angles = [radians_per_frame * position for position in range(5)]
+    assert [float(row["radians"]) for row in rows] == pytest.approx(expected_angles)
     times = [float(row["time"]) for row in rows]
-    speeds = [step / (after - before) for before, after in itertools.pairwise(times)]
+    speeds = [radians_per_frame / (after - before) for before, after in itertools.pairwise(times)]
     assert rows[0]["radians_per_second"] == ""
     assert [float(row["radians_per_second"]) for row in rows[1:]] == pytest.approx(speeds)
 

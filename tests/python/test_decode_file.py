@@ -224,7 +224,7 @@ def test_a_frame_whose_length_is_left_open(decode: Command, tmp_path: Path) -> N
 
 
 def test_files_hold_the_same(decode: Command, tmp_path: Path) -> None:
-    words = [GOOD ^ (1 << place if place % 3 else 0) for place in range(45)]
+    words = [GOOD ^ (1 << frame_index if frame_index % 3 else 0) for frame_index in range(45)]
     (tmp_path / "it.bin").write_bytes(packed(words))
     for name in ("it.parquet", "it.arrow", "it.csv"):
         outcome = decode(CODE, "it.bin", "-o", name, "--max-errors", "100")
@@ -232,10 +232,10 @@ def test_files_hold_the_same(decode: Command, tmp_path: Path) -> None:
         assert outcome.out == "45 frames, 15 valid (15 usable), 30 with a CRC error\n"
     parquet = pyarrow.parquet.read_table(tmp_path / "it.parquet")
     assert pyarrow.ipc.open_file(tmp_path / "it.arrow").read_all().cast(parquet.schema) == parquet
-    text = rows((tmp_path / "it.csv").read_text())
+    csv_rows = rows((tmp_path / "it.csv").read_text())
     for name in parquet.column_names:
-        values = ["" if value is None else str(value).lower() for value in parquet[name].to_pylist()]
-        assert values == [row[name] for row in text], name
+        expected_cells = ["" if value is None else str(value).lower() for value in parquet[name].to_pylist()]
+        assert expected_cells == [row[name] for row in csv_rows], name
     umask = os.umask(0)
     os.umask(umask)
     assert (tmp_path / "it.csv").stat().st_mode & 0o777 == 0o666 & ~umask

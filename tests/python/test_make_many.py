@@ -19,12 +19,12 @@ FRAMES = 1_000
 
 def sound_columns(case: Case, source: random.Random) -> tuple[list[Any], list[Any], dict[str, Any]]:
     """Return valid frames that can be encoded again: as they are sent, as objects, and as columns."""
-    wire = [case.carried(number) for number in numbers(case, max(40, FRAMES // 10), source)]
-    frames, _ = decoded_one_by_one(case, wire)
-    table = case.view.decode_many(wire, *arguments_of(case))
-    sound_places = [place for place, frame in enumerate(frames) if frame is not None and can_be_encoded(frame)]
-    columns = {name: table[name][sound_places] for name in table.names}
-    return [wire[place] for place in sound_places], [frames[place] for place in sound_places], columns
+    sent_frames = [case.carried(number) for number in numbers(case, max(40, FRAMES // 10), source)]
+    decoded_frames, _ = decoded_one_by_one(case, sent_frames)
+    table = case.view.decode_many(sent_frames, *arguments_of(case))
+    sound_rows = [row for row, frame in enumerate(decoded_frames) if frame is not None and can_be_encoded(frame)]
+    columns = {name: table[name][sound_rows] for name in table.names}
+    return [sent_frames[row] for row in sound_rows], [decoded_frames[row] for row in sound_rows], columns
 
 
 def can_be_encoded(frame: Any) -> bool:

@@ -52,24 +52,24 @@ def decoded_one_by_one(case: Case, wire: list[Any]) -> tuple[list[Any], list[int
 def check_columns(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
     """Compare the columns with the frames one by one."""
     assert table.fault.tolist() == faults, case.layout.name
-    sound = [place for place, frame in enumerate(frames) if frame is not None]
+    valid_rows = [row for row, frame in enumerate(frames) if frame is not None]
     for name in table.names:
         column = table[name]
         if name in ("fault", "verdict"):
             continue
         if column.dtype.kind == "S":
-            texts = [text.decode("latin-1") for text in column[sound].tolist()]
-            assert texts == [getattr(frames[place], name).rstrip("\0") for place in sound], name
+            texts = [text.decode("latin-1") for text in column[valid_rows].tolist()]
+            assert texts == [getattr(frames[row], name).rstrip("\0") for row in valid_rows], name
             continue
-        number, scale = name.partition(" (")[0], table.scale(name)
-        wanted = [getattr(frames[place], number) for place in sound]
+        attribute_name, scale = name.partition(" (")[0], table.scale(name)
+        expected_values = [getattr(frames[row], attribute_name) for row in valid_rows]
         if scale is not None:
-            wanted = [scale.decimal(value) for value in wanted]
-        assert column[sound].tolist() == wanted, (case.layout.name, name)
+            expected_values = [scale.decimal(value) for value in expected_values]
+        assert column[valid_rows].tolist() == expected_values, (case.layout.name, name)
     if hasattr(case.view, "verdict"):
-        order = [verdict.name for verdict in type(frames[sound[0]].verdict)] if sound else []
-        expected = [order.index(frame.verdict.name) if frame is not None else 0 for frame in frames]
-        assert table.verdict.tolist() == expected, case.layout.name
+        verdict_names = [verdict.name for verdict in type(frames[valid_rows[0]].verdict)] if valid_rows else []
+        verdict_indexes = [verdict_names.index(frame.verdict.name) if frame is not None else 0 for frame in frames]
+        assert table.verdict.tolist() == verdict_indexes, case.layout.name
     if hasattr(case.view, "reports"):
         check_report_columns(case, table, frames)
 
@@ -130,25 +130,26 @@ def test_columns_are_what_the_model_says(family: Family) -> None:
 
 
 def check_columns_with_the_model(case: Case, table: Any, frame_numbers: list[int]) -> None:
-    device, names = case.family.device, {name: python_name(name, CLASS_NAMES) for name in model_names(case)}
-    columns = {name: table[column].tolist() for name, column in names.items() if column in table}
-    faults, reports = table.fault.tolist(), {name: column.tolist() for name, column in table.reports.items()}
-    judged = table.verdict.tolist() if "verdict" in table else None
-    for place, number in enumerate(frame_numbers):
+    device, column_names = case.family.device, {name: python_name(name, CLASS_NAMES) for name in model_names(case)}
+    cells_by_field = {name: table[column].tolist() for name, column in column_names.items() if column in table}
+    fault_numbers = table.fault.tolist()
+    report_cells = {name: column.tolist() for name, column in table.reports.items()}
+    verdict_indexes = table.verdict.tolist() if "verdict" in table else None
+    for row, number in enumerate(frame_numbers):
         decoded = codec.decode(device, case.placed, number)
-        assert faults[place] == (FAULTS[decoded.problems[0].fault.value] if decoded.problems else 0), hex(number)
+        assert fault_numbers[row] == (FAULTS[decoded.problems[0].fault.value] if decoded.problems else 0), hex(number)
         if decoded.problems:
             continue
-        raw = {field.name: field for field in decoded.fields}
-        for name, column in columns.items():
+        decoded_fields = {field.name: field for field in decoded.fields}
+        for name, column in cells_by_field.items():
             # A field that an order code lacks is 0 in a column, and missing in the model.
-            expected = plain(raw[name], column[place], numbers_of(case, name)) if name in raw else 0
-            assert column[place] == expected, (case.layout.name, name, hex(number))
+            expected = plain(decoded_fields[name], column[row], numbers_of(case, name)) if name in decoded_fields else 0
+            assert column[row] == expected, (case.layout.name, name, hex(number))
         expected_findings = findings(device, case.variant, decoded)
         # Reports with the same words differ only in their names, which the model takes from the field.
-        assert sum(column[place] for column in reports.values()) == len(expected_findings.reports), hex(number)
-        if judged is not None:
-            assert expected_findings.verdict is [*Verdict][judged[place]], hex(number)
+        assert sum(column[row] for column in report_cells.values()) == len(expected_findings.reports), hex(number)
+        if verdict_indexes is not None:
+            assert expected_findings.verdict is [*Verdict][verdict_indexes[row]], hex(number)
 
 
 def model_names(case: Case) -> list[str]:

@@ -125,18 +125,19 @@ COMMENT = re.compile(r"^ +(\w+) = .*  # bits? (\d+)(?::(\d+))?(, active low)?$",
 def test_comments_name_the_bits_of_the_spec(files: Mapping[str, str], devices: Mapping[str, Device]) -> None:
     compared = 0
     for device in devices.values():
-        classes = files[f"python/lika_encoders/{device.name}.py"].split("\nclass ")
+        class_texts = files[f"python/lika_encoders/{device.name}.py"].split("\nclass ")
         layouts = [*(layout for _, layout in device.layouts()), *(register.layout for register in device.registers)]
-        texts = {text.partition("(")[0]: text for text in classes}
+        text_by_class = {class_text.partition("(")[0]: class_text for class_text in class_texts}
         for layout in layouts:
-            text = texts.get("".join(word.capitalize() for word in layout.name.split("_")), "")
-            fields = {field.name: field for field in layout.fields}
-            for name, high, low, is_low in COMMENT.findall(text):
-                field = fields[name.rstrip("_")]
-                first = field.low.constant
-                last = first + field.width.constant - 1
-                place = (int(high), int(low or high))
-                assert place in ((last, first), (last % 8, first % 8)), (device.name, layout.name, name)
+            class_text = text_by_class.get("".join(word.capitalize() for word in layout.name.split("_")), "")
+            field_by_name = {field.name: field for field in layout.fields}
+            for name, high, low, is_low in COMMENT.findall(class_text):
+                field = field_by_name[name.rstrip("_")]
+                lowest_bit = field.low.constant
+                highest_bit = lowest_bit + field.width.constant - 1
+                printed_bits = (int(high), int(low or high))
+                bits_in_byte = (highest_bit % 8, lowest_bit % 8)
+                assert printed_bits in ((highest_bit, lowest_bit), bits_in_byte), (device.name, layout.name, name)
                 assert bool(is_low) == (isinstance(field.kind, Flag) and field.kind.active_low), (device.name, name)
                 compared += 1
     assert compared > 60

@@ -173,19 +173,22 @@ def test_every_state_of_the_flags(lika: Any, devices: Mapping[str, Device], firs
     """All of them together with no unused bit, with one, and with several."""
     source = random.Random("flags")
     for device, layout, variant, placed in list(encoder_frames(devices))[first_frame::4]:
-        view = getattr(lika, device.name)
-        encoder, frames = view.VARIANTS[variant.code], DeviceNames(device).class_name_by_frame
+        family_module = getattr(lika, device.name)
+        encoder, class_name_by_frame = family_module.VARIANTS[variant.code], DeviceNames(device).class_name_by_frame
         flags = [field.name for field in layout.fields if isinstance(field.kind, Flag)]
-        ones = sum(((1 << field.widest) - 1) << place for field, place in layout.unused)
-        single_bits = [1 << bit for bit in range(64) if ones >> bit & 1]
-        masks = [0, *single_bits, source.getrandbits(64) & ones, source.getrandbits(64) & ones]
-        values, given_answers = values_without_reports(placed), answers(view, device, layout)
-        for states, unused in itertools.product(itertools.product((False, True), repeat=len(flags)), set(masks)):
-            values_of_state = values | dict(zip(flags, states, strict=True)) | ({"unused": unused} if ones else {})
+        unused_mask = sum(((1 << field.widest) - 1) << lowest_bit for field, lowest_bit in layout.unused)
+        single_unused_bits = [1 << bit for bit in range(64) if unused_mask >> bit & 1]
+        random_values = [source.getrandbits(64) & unused_mask for _ in range(2)]
+        unused_values = {0, *single_unused_bits, *random_values}
+        values, given_answers = values_without_reports(placed), answers(family_module, device, layout)
+        for states, unused in itertools.product(itertools.product((False, True), repeat=len(flags)), unused_values):
+            values_of_state = values | dict(zip(flags, states, strict=True))
+            if unused_mask:
+                values_of_state["unused"] = unused
             number = codec.encode(device, placed, values_of_state)
             frame = encoder.decode(carried(placed, number), **given_answers)
             expected_findings = findings(device, variant, codec.decode(device, placed, number))
-            assert type(frame).__name__ == frames[layout.name]
+            assert type(frame).__name__ == class_name_by_frame[layout.name]
             verdict = frame.verdict.value if hasattr(frame, "verdict") else None
             expected = expected_findings.verdict.value if expected_findings.verdict is not None else None
             assert verdict == expected, (frame, expected_findings)

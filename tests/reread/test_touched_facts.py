@@ -64,11 +64,11 @@ def test_all_facts_that_a_passage_touches_are_listed(
 
 
 def test_numbers_are_spelled_as_in_the_spec(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    spec = (SPECS / "tv62.yaml").read_text(encoding="utf-8").splitlines()
+    spec_lines = (SPECS / "tv62.yaml").read_text(encoding="utf-8").splitlines()
     printed = reread(tmp_path, capsys, MANUAL.replace("95.0 °C | Upper", "90.0 °C | Upper"))
-    found = re.findall(r"tv62\.yaml:(\d+): \S+: (0x[0-9A-Fa-f]+|\d+|true|false)$", printed, re.MULTILINE)
-    assert [number for _, number in found if number.startswith("0x")]
-    assert [number for line, number in found if number not in spec[int(line) - 1]] == []
+    line_and_number = re.findall(r"tv62\.yaml:(\d+): \S+: (0x[0-9A-Fa-f]+|\d+|true|false)$", printed, re.MULTILINE)
+    assert [number for _, number in line_and_number if number.startswith("0x")]
+    assert [number for line, number in line_and_number if number not in spec_lines[int(line) - 1]] == []
     assert main(["facts", "tv62", "--section", "3.3", "--specs", str(SPECS)]) == 0
     facts = capsys.readouterr().out
     assert ": crcs.position_16.refin: false\n" in facts

@@ -132,12 +132,15 @@ def test_what_does_not_fit_is_refused(program: Program) -> None:
 def _values(placed: PlacedField, type_: str, random_: random.Random) -> list[int]:
     if isinstance(placed.field.kind, Choice):
         return [value.value for value in placed.field.values]
-    bits = int(type_[1:])
-    low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if type_[0] == "i" else (0, (1 << bits) - 1)
-    edges = [low, high, 0, 1, placed.mask, placed.mask + 1, placed.mask >> 1, -(placed.mask >> 1) - 2]
+    bit_count = int(type_[1:])
+    if type_[0] == "i":
+        lowest, highest = -(1 << bit_count - 1), (1 << bit_count - 1) - 1
+    else:
+        lowest, highest = 0, (1 << bit_count) - 1
+    candidates = [lowest, highest, 0, 1, placed.mask, placed.mask + 1, placed.mask >> 1, -(placed.mask >> 1) - 2]
     if isinstance(placed.field.kind, Decimal):
-        edges += [placed.field.kind.limit - 1, placed.field.kind.limit]
-    return [value for value in (*edges, random_.randint(low, high)) if low <= value <= high]
+        candidates += [placed.field.kind.limit - 1, placed.field.kind.limit]
+    return [value for value in (*candidates, random_.randint(lowest, highest)) if lowest <= value <= highest]
 
 
 def test_what_the_manual_leaves_open_is_asked_for(program: Program) -> None:
@@ -240,19 +243,20 @@ def expected_parameters(program: Program, variant: Variant, register: Register, 
 
 def test_order_codes(program: Program) -> None:
     device = program.device
-    names = [parameter.name for parameter in device.parameters]
-    questions = {alternative.name for alternative in device.alternatives if not alternative.default}
-    undecided = {parameter.name: "none" for parameter in device.parameters if parameter.alternative in questions}
+    parameter_names = [parameter.name for parameter in device.parameters]
+    open_questions = {alternative.name for alternative in device.alternatives if not alternative.default}
+    undecided = [parameter.name for parameter in device.parameters if parameter.alternative in open_questions]
+    text_of_undecided = dict.fromkeys(undecided, "none")
     interfaces = [interface.name for interface in device.interfaces]
-    rows = []
+    expected_rows = []
     for variant in sorted(device.variants, key=lambda variant: interfaces.index(variant.interface)):
-        values = [undecided.get(name, str(variant.parameters[name])) for name in names]
-        rows.append(" ".join([variant.code, variant.interface.capitalize(), *values]))
+        parameter_texts = [text_of_undecided.get(name, str(variant.parameters[name])) for name in parameter_names]
+        expected_rows.append(" ".join([variant.code, variant.interface.capitalize(), *parameter_texts]))
     code, interface = device.variants[-1].code, device.variants[-1].interface
     answers = program.run(["o", f"f {code}", f"f {code}X"])
-    assert [row.rstrip() for row in answers[0].split(";")] == rows
-    found = [name.capitalize() if name == interface else "-" for name in interfaces]
-    assert answers[1:] == [" ".join(found), " ".join("-" for _ in interfaces)]
+    assert [row.rstrip() for row in answers[0].split(";")] == expected_rows
+    interface_texts = [name.capitalize() if name == interface else "-" for name in interfaces]
+    assert answers[1:] == [" ".join(interface_texts), " ".join("-" for _ in interfaces)]
 
 
 def test_constants_of_registers(program: Program) -> None:

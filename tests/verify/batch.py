@@ -111,12 +111,14 @@ class Batch:
 
     def chunk(self, operation: int, codec: Codec, variant: Variant, records: Sequence[bytes] | bytes) -> bytes:
         """Return a chunk of at most 65,535 records."""
-        text = records if isinstance(records, bytes) else b"".join(records)
-        size = self.record if operation == DECODE else codec.size
-        values = [variant.parameters.get(name, 0) for name in self._parameters]
+        record_bytes = records if isinstance(records, bytes) else b"".join(records)
+        record_size = self.record if operation == DECODE else codec.size
+        variant_values = [variant.parameters.get(name, 0) for name in self._parameters]
         undecided = [alternative for alternative in self.device.alternatives if not alternative.default]
-        values += [answer_of(alternative, variant) for alternative in undecided]
-        return struct.pack(f"<BHH{len(values)}Q", operation, codec.number, len(text) // size, *values) + text
+        variant_values += [answer_of(alternative, variant) for alternative in undecided]
+        record_count = len(record_bytes) // record_size
+        head = struct.pack(f"<BHH{len(variant_values)}Q", operation, codec.number, record_count, *variant_values)
+        return head + record_bytes
 
     def frame(self, placed: PlacedLayout, wire: bytes) -> bytes:
         """Return the record for a word or frame."""

@@ -104,19 +104,19 @@ def _add(
     headers_by_path: dict[str, str],
 ) -> None:
     for function in functions:
-        names = [_header(str(path), wanted, headers_by_path) for path in function["filenames"]]
-        name = str(function["name"]).rpartition(":")[2]
-        for line, column, end, last, count, file, _, kind in function["regions"]:
-            if names[file] and kind == 0:
-                place = names[file], line, column, end, last
-                coverage.regions[place] += count
-                coverage.functions[place] = name
-        for line, column, end, last, true, false, file, _, _ in function["branches"]:
-            if names[file]:
-                place = names[file], line, column, end, last
-                coverage.true[place] += true
-                coverage.false[place] += false
-                coverage.functions[place] = name
+        header_by_file_index = [_header(str(path), wanted, headers_by_path) for path in function["filenames"]]
+        function_name = str(function["name"]).rpartition(":")[2]
+        for line, column, last_line, last_column, count, file_index, _, kind in function["regions"]:
+            if header_by_file_index[file_index] and kind == 0:
+                source_range = header_by_file_index[file_index], line, column, last_line, last_column
+                coverage.regions[source_range] += count
+                coverage.functions[source_range] = function_name
+        for line, column, last_line, last_column, true, false, file_index, _, _ in function["branches"]:
+            if header_by_file_index[file_index]:
+                source_range = header_by_file_index[file_index], line, column, last_line, last_column
+                coverage.true[source_range] += true
+                coverage.false[source_range] += false
+                coverage.functions[source_range] = function_name
 
 
 def _header(path: str, wanted: dict[str, str], headers_by_path: dict[str, str]) -> str:

@@ -154,11 +154,13 @@ def _constants(codec: Codec) -> Iterator[str]:
         if isinstance(field.kind, Constant):
             yield f"{in_c(field.width)} > 0 && r_{field.name} != {field.kind.value}ULL"
         if isinstance(field.kind, Parity):
-            covered, mask = map(codec.layout.field, field.kind.of), field.kind.mask
-            places = [(counted, bit) for counted in covered for bit in range(counted.widest)]
-            values = [(f"received(word, {in_c(part.low)}, {in_c(part.width)})", bit) for part, bit in places]
-            bits = [f"(({value} >> {bit}) & 1)" for value, bit in values if mask >> bit & 1]
-            yield f"r_{field.name} != ({' ^ '.join([*bits, *(['1'] if field.kind.odd else [])])})"
+            parity_fields, mask = map(codec.layout.field, field.kind.of), field.kind.mask
+            covered_bits_in_c = []
+            for parity_field in parity_fields:
+                field_in_c = f"received(word, {in_c(parity_field.low)}, {in_c(parity_field.width)})"
+                covered_bits = [bit for bit in range(parity_field.widest) if mask >> bit & 1]
+                covered_bits_in_c += [f"(({field_in_c} >> {bit}) & 1)" for bit in covered_bits]
+            yield f"r_{field.name} != ({' ^ '.join([*covered_bits_in_c, *(['1'] if field.kind.odd else [])])})"
 
 
 def _ranges(codec: Codec) -> Iterator[str]:

@@ -137,15 +137,16 @@ def test_every_line_and_branch_is_reached(coverage: Coverage, headers: dict[str,
     assert {place[0] for place in coverage.regions} - {"result.h"} == with_functions
     assert len(coverage.regions) > 2_000
     assert len(coverage.true) > 500
-    lines = {name: path.read_text(encoding="ascii").splitlines() for name, path in headers.items()}
-    missing, reason_counts = [], Counter[Unreached]()
-    for (name, line, column, end, last), function, missing_part in coverage.unreached():
-        text = lines[name][line - 1][column - 1 : last - 1 if line == end else None].strip()
-        of_function = [reason for reason in UNREACHED if re.fullmatch(reason.function, function)]
-        reason = next((reason for reason in of_function if re.fullmatch(reason.text, text)), None)
+    lines_by_header = {name: path.read_text(encoding="ascii").splitlines() for name, path in headers.items()}
+    unexplained_places, reason_counts = [], Counter[Unreached]()
+    for (name, line, column, last_line, last_column), function, missing_part in coverage.unreached():
+        end = last_column - 1 if line == last_line else None
+        source_text = lines_by_header[name][line - 1][column - 1 : end].strip()
+        reasons_of_function = [reason for reason in UNREACHED if re.fullmatch(reason.function, function)]
+        reason = next((reason for reason in reasons_of_function if re.fullmatch(reason.text, source_text)), None)
         if reason is None:
-            missing.append(f"{name}:{line} {function}: {text[:80]} {missing_part}")
+            unexplained_places.append(f"{name}:{line} {function}: {source_text[:80]} {missing_part}")
         else:
             reason_counts[reason] += 1
-    assert not missing, f"{len(missing)} places\n" + "\n".join(missing)
+    assert not unexplained_places, f"{len(unexplained_places)} places\n" + "\n".join(unexplained_places)
     assert {reason: reason_counts[reason] for reason in UNREACHED} == {reason: reason.count for reason in UNREACHED}

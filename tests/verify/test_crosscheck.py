@@ -278,20 +278,21 @@ class Oracle:
 def test_c_tells_what_the_reference_tells(family: str, name: str, programs: Callable[[str], Path]) -> None:
     batch = Batch(interfaces()[family])
     codec = next(codec for codec in batch.codecs if codec.name == name)
-    oracle, size = Oracle(batch.device, codec), struct.calcsize(codec.answer)
-    unused = next((at for at, member in enumerate(codec.members, 1) if member.name == UNUSED), None)
-    kinds: Counter[tuple[int, int]] = Counter()
+    oracle, answer_size = Oracle(batch.device, codec), struct.calcsize(codec.answer)
+    indexes_of_unused = [index for index, member in enumerate(codec.members, 1) if member.name == UNUSED]
+    index_of_unused = indexes_of_unused[0] if indexes_of_unused else None
+    count_by_outcome: Counter[tuple[int, int]] = Counter()
     for variant, records in chunks(batch, codec, FRAMES, "reference"):
         program_input = input_of(batch, codec, [(variant, records)])
-        out = subprocess.run([str(programs(family))], input=program_input, capture_output=True, check=True).stdout
-        assert len(out) == size * (len(records) // batch.record)
+        completed = subprocess.run([str(programs(family))], input=program_input, capture_output=True, check=True)
+        assert len(completed.stdout) == answer_size * (len(records) // batch.record)
         frames = wires(batch, codec, records)
-        answers = struct.iter_unpack(codec.answer, out)
-        for wire, answer, expected in zip(frames, answers, oracle.findings_of(variant, frames), strict=True):
-            verdict, reports = answer[-2:] if answer[0] == 0 else (NO_VERDICT, 0)
-            decoded = answer[0], verdict, reports, answer[unused] if unused is not None else 0
+        c_answers = struct.iter_unpack(codec.answer, completed.stdout)
+        for wire, c_answer, expected in zip(frames, c_answers, oracle.findings_of(variant, frames), strict=True):
+            verdict, reports = c_answer[-2:] if c_answer[0] == 0 else (NO_VERDICT, 0)
+            decoded = c_answer[0], verdict, reports, c_answer[index_of_unused] if index_of_unused is not None else 0
             assert decoded == expected, (variant.code, wire)
-            kinds[expected[:2]] += 1
-    assert kinds.total() == FRAMES
+            count_by_outcome[expected[:2]] += 1
+    assert count_by_outcome.total() == FRAMES
     # There are valid frames, and each verdict that a flag can cause.
-    assert sum(count for (fault, _), count in kinds.items() if not fault) > FRAMES / 6, kinds
+    assert sum(count for (fault, _), count in count_by_outcome.items() if not fault) > FRAMES / 6, count_by_outcome

@@ -194,17 +194,20 @@ def test_no_fault_makes_a_position_wrong(code: str, fault: str, modules: dict[st
 
 def test_the_program_of_the_page(modules: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
     module = modules["SKM36"]
-    answers = {0x42: module.PositionReply, 0x52: module.TypeLabelReply}
+    reply_class_by_command = {0x42: module.PositionReply, 0x52: module.TypeLabelReply}
 
-    def reply(data: bytes) -> bytes:
-        values = (626, 1361) if data[1] == 0x42 else (0xE4FF8001,)
-        return b"" if data[1] == 0x53 else bytes(answers[data[1]](data[0], *values).encode())
+    def reply(request_bytes: bytes) -> bytes:
+        values = (626, 1361) if request_bytes[1] == 0x42 else (0xE4FF8001,)
+        address, command = request_bytes[:2]
+        if command == 0x53:
+            return b""
+        return bytes(reply_class_by_command[command](address, *values).encode())
 
-    line = link(module, "SKM36", reply)
+    encoder_link = link(module, "SKM36", reply)
     (program,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    exec(program, {"open_encoder": lambda port, code: line, "skm36": module})
+    exec(program, {"open_encoder": lambda port, code: encoder_link, "skm36": module})
     expected_requests = ["40 42 02", "41 42 03", "40 52 12", "40 53 13"]
-    assert [request.hex(" ") for request in line.transport.sent] == expected_requests
+    assert [request.hex(" ") for request in encoder_link.transport.sent] == expected_requests
     assert capsys.readouterr().out.splitlines()[:2] == 2 * [str(626 << 12 | 1361)]
 
 

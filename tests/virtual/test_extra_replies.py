@@ -171,10 +171,10 @@ def test_each_copy_is_counted(generated_python: Package, splits: bool) -> None:
     """The copies of 11 bytes are complete while the line settles, 250 us and 4 us for each of 12 bytes."""
     line = Line(copies(0.05, 0.00025 + BYTE_S), splits=splits)
     session = session_on(generated_python[1], line)
-    assert count_stale(line, session, 5000) == 0
+    assert count_stale(line, session, 2000) == 0
     statistics = session.statistics
-    assert statistics.extra_replies == line.extras > 200
-    assert (statistics.requests, statistics.replies) == (line.requests, 5000)
+    assert statistics.extra_replies == line.extras > 70
+    assert (statistics.requests, statistics.replies) == (line.requests, 2000)
     assert (statistics.failures, statistics.late_replies, statistics.conflicts) == (0, 0, 0)
 
 
@@ -190,8 +190,8 @@ def test_many_copies_are_not_a_second_device(generated_python: Package) -> None:
     """One reply in ten is sent twice, 0.5 ms apart: each copy arrives with the reply to a later request."""
     chance = random.Random(2)
     line = Line(lambda: 0.0005 if chance.random() < 0.1 else None)
-    assert count_stale(line, session_on(generated_python[1], line), 10_000) == 0
-    assert line.extras > 900
+    assert count_stale(line, session_on(generated_python[1], line), 3000) == 0
+    assert line.extras > 250
 
 
 def test_cancelled_requests_are_not_a_second_device(generated_python: Package) -> None:
@@ -214,9 +214,9 @@ def test_cancelled_requests_are_not_a_second_device(generated_python: Package) -
 def test_without_a_time_to_settle(generated_python: Package, longest_s: float) -> None:
     """Requests of another kind between those for the position: at most one stale position for each copy."""
     line = Line(copies(0.05, longest_s))
-    assert count_stale(line, session_on(generated_python[1], line, settle_s=0), 5000) <= line.extras
-    assert line.extras > 200
-    assert line.requests >= 10_000
+    assert count_stale(line, session_on(generated_python[1], line, settle_s=0), 2000) <= line.extras
+    assert line.extras > 70
+    assert line.requests >= 4000
 
 
 def test_requests_of_other_kinds_take_turns(generated_python: Package) -> None:

@@ -24,6 +24,7 @@ from codewheel.commands.simulate import EXAMPLES
 from codewheel.targets import Library
 from codewheel.virtual import serving
 from codewheel.virtual.simulation_options import FAULTS
+from exhaustive import mostly_exhaustive
 
 pytestmark = pytest.mark.slow
 
@@ -185,11 +186,12 @@ def test_the_fixture_of_the_page(generated_python: Package, virtual_encoder: Cal
     names["test_my_program"](virtual_encoder)
 
 
+@pytest.mark.parametrize("first_code", mostly_exhaustive(range(4), 0))
 def test_200_requests_for_each_order_code(
-    generated_python: Package, virtual_encoder: Callable[..., Any], library: Library
+    generated_python: Package, virtual_encoder: Callable[..., Any], library: Library, first_code: int
 ) -> None:
     lika: Any = generated_python[1]
-    for code in codes_with(library.devices, "rs485"):
+    for code in codes_with(library.devices, "rs485")[first_code::4]:
         position = [0]
         served = virtual_encoder(code, position=lambda now, position=position: position[0])
         with lika.open_encoder(served.port, code, timeout_s=1) as encoder:
@@ -213,7 +215,7 @@ def _times_of_requests(encoder: Any) -> list[float]:
 
 @pytest.mark.one_in(12, "exhaustive")
 @pytest.mark.parametrize("fault", FAULTS)
-def test_2000_requests_with_each_fault(
+def test_1000_requests_with_each_fault(
     generated_python: Package, virtual_encoder: Callable[..., Any], fault: str
 ) -> None:
     """One reply in fifty has the fault. The shaft turns, so a position from before the request would be too old."""
@@ -222,10 +224,10 @@ def test_2000_requests_with_each_fault(
     served = virtual_encoder(CODE, lambda now: now * 1e6, faults=[f"{fault}:0.02"], clock=time.monotonic)
     errors = 0
     # On a busy machine, an encoder that is a program can need more than the default.
-    settle_s, count = (0.01, 1000) if fault in ("repeated", "second") else (None, 2000)
+    settle_s = 0.01 if fault in ("repeated", "second") else None
     with lika.open_encoder(served.port, CODE, timeout_s=0.03, settle_s=settle_s) as encoder:
         last_request = _times_of_requests(encoder)
-        for _ in range(count):
+        for _ in range(1000):
             try:
                 value = encoder.position()
             except lika.LinkError:
@@ -233,7 +235,7 @@ def test_2000_requests_with_each_fault(
                 continue
             age = (value - int(last_request[0] * 1e6)) % served.encoder.counts
             assert age <= (time.monotonic() - last_request[0]) * 1e6
-    assert served.encoder.faults.injected[fault] > 10
+    assert served.encoder.faults.injected[fault] > 5
     # On a busy machine a reply can be late without a fault. The link may give up, but return no wrong position.
     assert errors < 20 or fault in ("busy", "restart", "brownout", "late", "low", "high", "second")
     assert time.monotonic() - started < 120

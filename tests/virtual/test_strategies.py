@@ -32,7 +32,7 @@ def test_frames_decode_to_their_positions(generated_python: tuple[Path, ModuleTy
 def test_a_wrong_bit_is_detected(generated_python: tuple[Path, ModuleType], code: str) -> None:
     lika: Any = generated_python[1]
 
-    @settings(max_examples=50)
+    @settings(max_examples=20)
     @given(disturbed_frames(VirtualEncoder(code)))
     def each(frame: Any) -> None:
         assert isinstance(lika.lookup(code).try_decode(frame), lika.FrameError)
