@@ -148,13 +148,11 @@ class Family:
             owners[field.name] = interface.name if is_shared else layout.name
         place = ("interfaces", interface.name, "layouts", layout.name)
         struct = self._struct(self._top, self.enums, place, layout, owners, interface.name)
-        verdict_rules = self._judgements.get(layout.name)
+        rules = self._judgements.get(layout.name)
         measurement = self.device.measurement_of(interface.name)
-        if verdict_rules is None or measurement is None or measurement.position_name not in layout.member_names:
+        if rules is None or measurement is None or measurement.position_name not in layout.member_names:
             return struct
-        return replace(
-            struct, receiver=interface.name, verdict_rules=verdict_rules, position_member=measurement.position_name
-        )
+        return replace(struct, receiver=interface.name, verdict_rules=rules, position_member=measurement.position_name)
 
     def _register(self, register: Register) -> Struct:
         owners = {register_field.name: register.name for register_field in register.layout.fields}
