@@ -195,17 +195,20 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
         if exact and bits // 8 != needed_bytes:
             return TypedFrame(int(without_gaps, 16), bits, is_length_known=True, digit_bits=bits)
     if _PREFIXED_HEX.fullmatch(without_gaps):
-        number = int(without_gaps, 16)
-        hex_digits = len(without_gaps) - len("0x")
-        return TypedFrame(
-            number, number.bit_length(), is_length_known=False, digit_bits=4 * hex_digits, is_bytes=are_bytes
-        )
+        return _hex_frame(without_gaps, is_bytes=are_bytes)
     if len(pieces) == 1:
         return _number_without_prefix(placed, without_gaps, frame_text)
     meanings = meanings_of_decimal_bytes(pieces)
     if meanings:
         raise _decimal_bytes_error(frame_text, meanings)
     raise _number_error(placed, frame_text, frame_texts.write_number(str(placed.bits)))
+
+
+def _hex_frame(prefixed_digits: str, *, is_bytes: bool) -> TypedFrame:
+    """Return the frame in hex digits after ``0x``, which may have more leading zeros than the digits."""
+    number = int(prefixed_digits, 16)
+    digit_bits = 4 * (len(prefixed_digits) - len("0x"))
+    return TypedFrame(number, number.bit_length(), is_length_known=False, digit_bits=digit_bits, is_bytes=is_bytes)
 
 
 def typed_bits(device: Device, placed_layout: PlacedLayout, frame_text: str, *, exact: bool = False) -> TypedFrame:

@@ -363,3 +363,12 @@ def note_of_read(device: Device, read: ReadRegister) -> str:
 def _register_place(device: Device, step: WriteRegister | ReadRegister | VerifyWrite) -> str:
     field_name = f".{step.field.name}" if step.field is not None else ""
     return register_field(device, step.register.name + field_name).title
+
+
+def manual_title(device: Device) -> str:
+    """Return the title, revision, date and language of a manual, with the editions that it was compared with."""
+    manual = device.manual
+    editions = ", ".join(f"{edition.language} {edition.revision}" for edition in manual.editions)
+    dated = f" of {manual.date}" if manual.date else ""
+    compared = f", compared with: {editions}" if editions else ""
+    return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{compared})'

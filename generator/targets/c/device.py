@@ -26,6 +26,7 @@ from ...say.names_and_evidence import (
 )
 from ...say.order_code import words_for_initial_values
 from .. import TargetError
+from .about import manual_title
 from .code_facts import CodeFacts, timing_macros
 from .codec import StructCodec, crc_code
 from .comments import HEADER_STYLE, Paragraph
@@ -401,15 +402,6 @@ def _title_and_url(document: Document) -> str:
 def _is_range_of(functions: RangeFunctions, layout: Layout) -> bool:
     """Return True if these functions are for the positions in a frame."""
     return any(candidate.name == layout.name for candidate in functions.layouts)
-
-
-def manual_title(device: Device) -> str:
-    """Return the title, revision, date and language of a manual, with the editions that it was compared with."""
-    manual = device.manual
-    editions = ", ".join(f"{edition.language} {edition.revision}" for edition in manual.editions)
-    dated = f" of {manual.date}" if manual.date else ""
-    compared = f", compared with: {editions}" if editions else ""
-    return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{compared})'
 
 
 def views_of(device: Device, passing: StructPassing = BY_VALUE) -> Sequence[DeviceView]:

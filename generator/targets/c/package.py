@@ -27,9 +27,10 @@ from ...plan.verdicts import reportings
 from ...say.errata import STATUS_IN_WORDS, consequence, content_before_and_after, paths_in_words
 from ...say.names_and_evidence import name_in_words
 from .. import main_manufacturer, manufacturers
+from .about import manual_title
 from .comments import without_special_characters
 from .crcs import CrcCode
-from .device import DeviceView, manual_title
+from .device import DeviceView
 from .examples import ExampleCode, ReceiverCode, example_codes, receiver_codes
 from .names import FOLDER, c_name, errata_page_name
 from .procedures import ProcedureCode
