@@ -173,7 +173,7 @@ def distinct_encoders(devices: Iterable[Device]) -> list[Encoder]:
                 if layout.sender != "encoder" or placed.bits < 8 or getattr(placed, "channels", None):
                     continue
                 crc = device.crc_of(placed)
-                places = tuple((field.low, field.width, type(field.field.kind)) for field in placed.fields)
+                places = tuple((field.lowest_bit, field.width, type(field.field.kind)) for field in placed.fields)
                 crc_shape = (crc.width, crc.poly, crc.init, crc.xorout) if crc is not None else None
                 names = tuple(other.name for other in interface.layouts) if layout.in_bytes else ()
                 shape = variant.interface, layout.in_bytes, places, crc_shape, bool(placed.gray), names
@@ -191,10 +191,10 @@ def valid_frame(encoder: Encoder, placed: PlacedLayout, source: random.Random, *
         usual_values = usual_values_of(encoder.device, encoder.variant.interface, placed.layout)
     crc = encoder.device.crc_of(placed)
     for _ in range(ATTEMPTS):
-        frame = sum(random_value(placed, field, usual_values, source) << field.low for field in placed.fields)
+        frame = sum(random_value(placed, field, usual_values, source) << field.lowest_bit for field in placed.fields)
         for field in placed.fields:
             if isinstance(field.field.kind, Parity):
-                frame |= parity_bit(placed, field.field.kind, frame) << field.low
+                frame |= parity_bit(placed, field.field.kind, frame) << field.lowest_bit
         if crc is not None:
             frame = with_crc(placed, frame, crc)
         if not codec.decode(encoder.device, placed, frame).problems:

@@ -154,12 +154,12 @@ def _span(placed: PlacedLayout, field: PlacedField) -> str:
 
 def _left_to_right(placed: PlacedLayout) -> list[PlacedField]:
     """Return the fields in the order in which they are sent. Fields of bytes are described in this order."""
-    fields = [field for field in placed.fields if field.high >= field.low]
-    return fields if placed.layout.in_bytes else sorted(fields, key=lambda field: -field.high)
+    fields = [field for field in placed.fields if field.highest_bit >= field.lowest_bit]
+    return fields if placed.layout.in_bytes else sorted(fields, key=lambda field: -field.highest_bit)
 
 
 def _size(field: PlacedField) -> int:
-    return field.high - field.low + 1
+    return field.highest_bit - field.lowest_bit + 1
 
 
 def _letter(field: PlacedField) -> str:
@@ -167,4 +167,4 @@ def _letter(field: PlacedField) -> str:
 
 
 def _places(field: PlacedField) -> str:
-    return f"{field.high}:{field.low}" if field.high > field.low else f"{field.high}"
+    return f"{field.highest_bit}:{field.lowest_bit}" if field.highest_bit > field.lowest_bit else f"{field.highest_bit}"

@@ -280,7 +280,7 @@ class _Dump:
         else:
             for placed_field in layout.place(self.variant.parameters).fields:
                 fields_data.append(
-                    self._field_data(placed_field.field, Expression(placed_field.high), inherited_sources)
+                    self._field_data(placed_field.field, Expression(placed_field.highest_bit), inherited_sources)
                 )
         return fields_data
 

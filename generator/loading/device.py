@@ -413,7 +413,7 @@ def _number_within_limits(register: Register, placed_layout: PlacedLayout, defau
         number_without_sign = join_value(placed_layout, bounded_joins[0], default)
     else:
         bounded_field = placed_layout.find_field(bounded_name)
-        lowest_bit = bounded_field.low if bounded_field is not None else 0
+        lowest_bit = bounded_field.lowest_bit if bounded_field is not None else 0
         mask = (1 << width) - 1
         number_without_sign = (default >> lowest_bit) & mask
     _, highest_that_fits = numbers_that_fit(register, placed_layout)

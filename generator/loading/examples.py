@@ -391,7 +391,7 @@ def _check_encoding(
         described_bits = 0
         for placed_field in decoded.layout.fields:
             field_mask = (1 << placed_field.width) - 1
-            described_bits |= field_mask << placed_field.low
+            described_bits |= field_mask << placed_field.lowest_bit
         encoded_number |= decoded.number & ~described_bits
     if encoded_number != decoded.number:
         yield ExampleError(

@@ -337,7 +337,10 @@ def _find_ambiguous_numbers(
                 other_field = other_placed_layout.find_field(placed_field.name)
                 if other_field is None:
                     continue
-                has_same_place = (other_field.low, other_field.width) == (placed_field.low, placed_field.width)
+                has_same_place = (other_field.lowest_bit, other_field.width) == (
+                    placed_field.lowest_bit,
+                    placed_field.width,
+                )
                 if not has_same_place:
                     continue
                 number_field, other_kind = placed_field.field, other_field.field.kind

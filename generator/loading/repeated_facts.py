@@ -105,7 +105,7 @@ def _describe_contradiction(
     as the name of a number.
     """
     field_name = placed_field.name
-    number_in_default = (default >> placed_field.low) & placed_field.mask
+    number_in_default = (default >> placed_field.lowest_bit) & placed_field.mask
     documented = placed_field.field.documented(variant.parameters)
     default_text = f"it sets '{field_name}' to {number_in_default:#x}"
     if documented is not None and documented not in (number_in_default, decoded_value):
@@ -160,12 +160,12 @@ def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
     documented_mask = 0
     for placed_field in register.layout.place(variant.parameters).fields:
         documented_value = placed_field.field.documented(variant.parameters)
-        fits_in_register = placed_field.low + placed_field.width <= 8 * register.length
+        fits_in_register = placed_field.lowest_bit + placed_field.width <= 8 * register.length
         if documented_value is not None and fits_in_register:
             if isinstance(documented_value, str):
                 documented_value = codec.number_of_text(documented_value)
-            documented_number |= (documented_value & placed_field.mask) << placed_field.low
-            documented_mask |= placed_field.mask << placed_field.low
+            documented_number |= (documented_value & placed_field.mask) << placed_field.lowest_bit
+            documented_mask |= placed_field.mask << placed_field.lowest_bit
     return documented_number, documented_mask
 
 

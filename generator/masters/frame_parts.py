@@ -62,10 +62,10 @@ def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
     stage = "before"
     unread_bit_count = placed_layout.bits  # Number of bits after the fields so far.
     for field in placed_layout.fields:
-        has_gap_before = field.high + 1 != unread_bit_count
+        has_gap_before = field.highest_bit + 1 != unread_bit_count
         if has_gap_before:
             raise NoMasterSettings(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
-        unread_bit_count = field.low
+        unread_bit_count = field.lowest_bit
         role = _role_of_field(field, placed_layout, position_field_names, stage)
         if role == "position":
             yield from _position_parts(field, turn_bits_by_field[field.name])
@@ -138,8 +138,8 @@ def _role_of_field(
         return "position"
     if stage == "position":
         last_position_field = position_field_names[-1]
-        lowest_position_bit, _ = placed_layout.place_of(last_position_field)
-        is_within_position = field.low > lowest_position_bit
+        lowest_position_bit, _ = placed_layout.lowest_bit_and_width_of(last_position_field)
+        is_within_position = field.lowest_bit > lowest_position_bit
         if is_within_position:
             raise NoMasterSettings(f"the position is not in one piece: '{field.name}' is sent within it")
     role = _expected_role(field, stage)
@@ -176,7 +176,7 @@ def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool
     Bits that are always 0 need not be covered.
     """
     field_kind = field.field.kind
-    is_last_field = field.low == 0
+    is_last_field = field.lowest_bit == 0
     # With ``over``, the parity covers only the odd or the even bits of each field.
     if not isinstance(field_kind, Parity) or field_kind.over or not is_last_field:
         return False

@@ -303,7 +303,7 @@ def _frame_with_position(interface: Interface, measurement: Measurement, variant
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
         placed_layout = layout.place(variant.parameters)
-        _, position_width = placed_layout.place_of(measurement.position_name)
+        _, position_width = placed_layout.lowest_bit_and_width_of(measurement.position_name)
         if position_width:
             return placed_layout
     raise NoMasterSettings(f"no frame of {interface.title} carries '{measurement.position_name}'")

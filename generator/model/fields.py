@@ -184,7 +184,9 @@ class Field:
     def place(self, parameters: Mapping[str, int]) -> PlacedField:
         """Return the field with numbers as its lowest bit and its width, for an order code with these parameters."""
         return PlacedField(
-            field=self.for_parameters(parameters), low=self.low.value(parameters), width=self.width.value(parameters)
+            field=self.for_parameters(parameters),
+            lowest_bit=self.low.value(parameters),
+            width=self.width.value(parameters),
         )
 
     @property
@@ -308,7 +310,7 @@ class PlacedField:
     """A field at fixed bits, as it is for one order code."""
 
     field: Field
-    low: int
+    lowest_bit: int
     width: int
 
     @property
@@ -316,8 +318,8 @@ class PlacedField:
         return self.field.name
 
     @property
-    def high(self) -> int:
-        return self.low + self.width - 1
+    def highest_bit(self) -> int:
+        return self.lowest_bit + self.width - 1
 
     @property
     def mask(self) -> int:

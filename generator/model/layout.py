@@ -352,7 +352,7 @@ class PlacedLayout:
         return next((field for field in self.fields if isinstance(field.field.kind, CrcValue)), None)
 
     @cached_property
-    def crc_covers(self) -> tuple[int, int]:
+    def covered_lowest_bit_and_width(self) -> tuple[int, int]:
         """Lowest bit and number of bits that the CRC of a frame of bits covers. (0, 0) without a CRC.
 
         These are the fields that the CRC lists, which are adjacent, or otherwise all bits above the CRC.
@@ -366,7 +366,7 @@ class PlacedLayout:
         # They are listed from the highest bits to the lowest ones.
         highest_field, *_ = covered_fields
         *_, lowest_field = covered_fields
-        return lowest_field.low, highest_field.high + 1 - lowest_field.low
+        return lowest_field.lowest_bit, highest_field.highest_bit + 1 - lowest_field.lowest_bit
 
     @property
     def covers_part(self) -> bool:
@@ -374,7 +374,7 @@ class PlacedLayout:
         crc_field = self.crc_field
         return crc_field is not None and isinstance(crc_field.field.kind, CrcValue) and bool(crc_field.field.kind.of)
 
-    def place_of(self, name: str) -> tuple[int, int]:
+    def lowest_bit_and_width_of(self, name: str) -> tuple[int, int]:
         """Return the lowest bit and the width of a field, or of a join of adjacent fields.
 
         The result is ``(0, 0)`` for a name that does not exist for the order code.
@@ -383,7 +383,7 @@ class PlacedLayout:
         if not placed_fields:
             return (0, 0)
         # A join lists its fields from the highest bits to the lowest ones.
-        lowest_bit = placed_fields[-1].low
+        lowest_bit = placed_fields[-1].lowest_bit
         return lowest_bit, sum(placed_field.width for placed_field in placed_fields)
 
 

@@ -121,7 +121,7 @@ def name_with_limits(register: Register) -> str:
 
 def bounded_width(register: Register, placed_layout: PlacedLayout) -> int:
     """Return the width of the field or join of a register to which its limits apply, or of the whole register."""
-    _, width_of_field = placed_layout.place_of(name_with_limits(register))
+    _, width_of_field = placed_layout.lowest_bit_and_width_of(name_with_limits(register))
     # The width is 0 if the limits apply to the whole register.
     return width_of_field or 8 * register.length
 

@@ -56,8 +56,8 @@ def add_names(subject: FactSubject, placed_field: PlacedField, owner: str | int,
     """
     field_name = placed_field.name
     path_in_file = subject.path_in_file
-    bits_text = f"{bits(placed_field.high, placed_field.low)} of '{owner}'"
-    low_and_width = placed_field.low, placed_field.width
+    bits_text = f"{bits(placed_field.highest_bit, placed_field.lowest_bit)} of '{owner}'"
+    low_and_width = placed_field.lowest_bit, placed_field.width
     has_name_at_place = path_in_file[-2:] == ("fields", field_name)
     if has_name_at_place:
         name_fact = ComparedFact(
@@ -150,7 +150,7 @@ def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tu
         return None, False
     if stated_default is not None:
         return stated_default, False
-    default_in_register = (register_default >> placed_field.low) & placed_field.mask
+    default_in_register = (register_default >> placed_field.lowest_bit) & placed_field.mask
     return default_in_register, True
 
 
@@ -187,18 +187,18 @@ def _word_case(
     name_facts = ComparedFacts()
     for placed_field in placed_layout.fields:
         path_in_file = owner.reading.field_path(owner.path_in_file, placed_field.field)
-        description = f"{bits(placed_field.high, placed_field.low)} of {owner.description}"
+        description = f"{bits(placed_field.highest_bit, placed_field.lowest_bit)} of {owner.description}"
         bits_of_field = list(_bit_meanings(placed_field, placed_layout, path_in_file))
         if placed_field.field.byte_order:
             # The bits are compared as they are sent, in the byte order of the frame.
             bytes_of_field = [bits_of_field[low : low + 8] for low in range(0, placed_field.width, 8)]
             bits_of_field = list(chain.from_iterable(reversed(bytes_of_field)))
-        bits_by_number[placed_field.low : placed_field.high + 1] = bits_of_field
+        bits_by_number[placed_field.lowest_bit : placed_field.highest_bit + 1] = bits_of_field
         subject = FactSubject(
             owner.reading, key=(), path_in_file=path_in_file, description=description, interface=owner.interface
         )
         facts = properties(subject, placed_field, parameters, register)
-        properties_by_low_and_width[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
+        properties_by_low_and_width[placed_field.lowest_bit, placed_field.width] = {fact.key: fact for fact in facts}
         add_names(subject, placed_field, owner.path_in_file[-1], name_facts)
     return WordCase(bits=tuple(bits_by_number), fields=properties_by_low_and_width, names=name_facts.names)
 
@@ -243,7 +243,7 @@ def _part_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayou
         case CrcValue(_, covered):
             if not covered:
                 return "the CRC"
-            lowest_covered, covered_width = placed_layout.crc_covers
+            lowest_covered, covered_width = placed_layout.covered_lowest_bit_and_width
             highest_covered = lowest_covered + covered_width - 1
             return f"the CRC of {bits(highest_covered, lowest_covered)}"
         case Parity():
@@ -270,7 +270,7 @@ def _parity_text(parity: Parity, placed_layout: PlacedLayout) -> str:
 def _text_of_bits(placed_layout: PlacedLayout, name: str) -> str:
     """Return the bits of a field as text, or its name if the order code does not have this field."""
     placed_field = placed_layout.find_field(name)
-    return bits(placed_field.high, placed_field.low) if placed_field is not None else name
+    return bits(placed_field.highest_bit, placed_field.lowest_bit) if placed_field is not None else name
 
 
 def _gray_suffix(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
@@ -443,4 +443,4 @@ def _limited_bits_text(register: Register, parameters: Mapping[str, int]) -> str
     """Return the bits of a register that its limits apply to: ``bits 7:0``, or ``all bits`` if they name no field."""
     names = register.layout.field_names_of(name_with_limits(register))
     fields = register.layout.place(parameters).find_fields(names)
-    return " and ".join(bits(field.high, field.low) for field in fields) or "all bits"
+    return " and ".join(bits(field.highest_bit, field.lowest_bit) for field in fields) or "all bits"

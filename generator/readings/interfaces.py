@@ -62,8 +62,8 @@ def channel_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFac
             compared_field = placed_layout.field(compared.name)
             number_of_compared_bits = frame.compared_bits.value(parameters)
             # The highest bits of the field are compared.
-            lowest_compared_bit = compared_field.high + 1 - number_of_compared_bits
-            bits_by_case[case] = bits(compared_field.high, lowest_compared_bit)
+            lowest_compared_bit = compared_field.highest_bit + 1 - number_of_compared_bits
+            bits_by_case[case] = bits(compared_field.highest_bit, lowest_compared_bit)
         channel = compared.layout.channel or 0
         yield ComparedFact(
             fact_class=FactClass.POSITION,
@@ -222,7 +222,7 @@ def _condition_text(field: PlacedField, needed_value: int) -> str:
     """
     is_active_low = isinstance(field.field.kind, Flag) and field.field.kind.active_low
     bit_value = 1 - needed_value if is_active_low else needed_value
-    return f"{bits(field.high, field.low)} = {bit_value}"
+    return f"{bits(field.highest_bit, field.lowest_bit)} = {bit_value}"
 
 
 def _interface_facts(reading: SpecReading, interface: Interface) -> Iterator[ComparedFact]:

@@ -223,7 +223,7 @@ def _measurement_facts(reading: SpecReading, interface: Interface) -> Iterator[C
         position_bits: dict[CodeAndState, str] = {}
         for case, parameters in reading.cases(interface.name).items():
             # The width is 0 if the frame does not contain the position in this case.
-            low_bit, width = layout.place(parameters).place_of(measurement.position_name)
+            low_bit, width = layout.place(parameters).lowest_bit_and_width_of(measurement.position_name)
             if width:
                 high_bit = low_bit + width - 1
                 position_bits[case] = bits(high_bit, low_bit)

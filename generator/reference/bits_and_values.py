@@ -32,7 +32,7 @@ from ..say import frame_texts
 
 def bits_of_field(placed_field: PlacedField, frame: int) -> int:
     """Return the bits of a field in a frame as a number."""
-    return (frame >> placed_field.low) & placed_field.mask
+    return (frame >> placed_field.lowest_bit) & placed_field.mask
 
 
 def reflect(value: int, width: int) -> int:
@@ -215,8 +215,8 @@ def digits_of_number(code: DigitCode, number: int, width: int) -> int:
 
 def with_bits(frame: int, placed_field: PlacedField, field_bits: int) -> int:
     """Return the frame with the bits of one field replaced."""
-    other_bits = frame & ~(placed_field.mask << placed_field.low)
-    return other_bits | (field_bits << placed_field.low)
+    other_bits = frame & ~(placed_field.mask << placed_field.lowest_bit)
+    return other_bits | (field_bits << placed_field.lowest_bit)
 
 
 def from_binary(placed_layout: PlacedLayout, number: int) -> int:
@@ -225,7 +225,7 @@ def from_binary(placed_layout: PlacedLayout, number: int) -> int:
     If the counts per revolution are not a power of two, some encoders add an excess to the number first, so that only
     one bit of the Gray code changes at the wraparound.
     """
-    _, width = placed_layout.place_of(placed_layout.layout.gray_of)
+    _, width = placed_layout.lowest_bit_and_width_of(placed_layout.layout.gray_of)
     mask = (1 << width) - 1
 
     def number_to_gray(binary: int) -> int:
@@ -247,7 +247,7 @@ def _convert_gray_part(placed_layout: PlacedLayout, frame: int, convert: Callabl
     """
     if not placed_layout.gray:
         return frame
-    lowest_bit, width = placed_layout.place_of(placed_layout.layout.gray_of)
+    lowest_bit, width = placed_layout.lowest_bit_and_width_of(placed_layout.layout.gray_of)
     mask = (1 << width) - 1
     number = (frame >> lowest_bit) & mask
     converted_number = convert(number) & mask
@@ -270,7 +270,7 @@ def covered_bits(crc: Crc, placed_layout: PlacedLayout, number: int) -> tuple[in
         data = number_to_bytes(placed_layout.layout, number, placed_layout.bits)
         crc_length_in_bytes = crc.width // 8
         return bits_in_crc_order(crc, data[:-crc_length_in_bytes])
-    lowest_bit, bit_count = placed_layout.crc_covers
+    lowest_bit, bit_count = placed_layout.covered_lowest_bit_and_width
     mask = (1 << bit_count) - 1
     return (number >> lowest_bit) & mask, bit_count
 

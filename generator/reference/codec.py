@@ -104,16 +104,16 @@ def _selector_value(placed_layout: PlacedLayout, data: bytes) -> int | None:
         return None
     if placed_layout.layout.byte_order == "low_byte_first":
         # The bytes up to the one with the highest bit of the selector.
-        needed_byte_count = selector.high // 8 + 1
+        needed_byte_count = selector.highest_bit // 8 + 1
         ignored_low_bit_count = 0
     else:
         # The bytes up to the one with its lowest bit. The ignored bytes are the low bits of the frame.
-        needed_byte_count = (placed_layout.bits - selector.low + 7) // 8
+        needed_byte_count = (placed_layout.bits - selector.lowest_bit + 7) // 8
         ignored_low_bit_count = placed_layout.bits - 8 * needed_byte_count
     if len(data) < needed_byte_count:
         return None
     number = number_from_bytes(placed_layout.layout, data[:needed_byte_count])
-    lowest_bit_in_number = selector.low - ignored_low_bit_count
+    lowest_bit_in_number = selector.lowest_bit - ignored_low_bit_count
     return (number >> lowest_bit_in_number) & selector.mask
 
 
@@ -245,8 +245,8 @@ def _decode_field(placed_field: PlacedField, sent_value: int, binary_value: int)
         value=value,
         unit=field.unit,
         meaning=meaning,
-        high=placed_field.high,
-        low=placed_field.low,
+        high=placed_field.highest_bit,
+        low=placed_field.lowest_bit,
         scale=field.scale,
     )
     for digit_group in field.runs:
@@ -258,8 +258,8 @@ def _decode_field(placed_field: PlacedField, sent_value: int, binary_value: int)
             value=digits,
             unit="",
             meaning=digit_group.meaning,
-            high=placed_field.high,
-            low=placed_field.low,
+            high=placed_field.highest_bit,
+            low=placed_field.lowest_bit,
         )
 
 
@@ -289,11 +289,11 @@ def encode(device: Device, placed_layout: PlacedLayout, values: Values) -> int:
         kind = placed_field.field.kind
         if isinstance(kind, Parity):
             correct_bit = parity_bit(placed_layout, kind, frame_bits)
-            frame_bits |= correct_bit << placed_field.low
+            frame_bits |= correct_bit << placed_field.lowest_bit
     crc_field = placed_layout.crc_field
     crc = device.crc_of(placed_layout)
     if crc_field is not None and crc is not None:
-        frame_bits |= compute(crc, placed_layout, frame_bits) << crc_field.low
+        frame_bits |= compute(crc, placed_layout, frame_bits) << crc_field.lowest_bit
     return frame_bits
 
 
@@ -306,7 +306,7 @@ def _encode_fields(device: Device, placed_layout: PlacedLayout, values: Values) 
     frame_bits = 0
     position_range = device.range_in(placed_layout.layout)
     for placed_field in placed_layout.fields:
-        frame_bits |= _encode_field(placed_layout, placed_field, values) << placed_field.low
+        frame_bits |= _encode_field(placed_layout, placed_field, values) << placed_field.lowest_bit
     problem = range_message(position_range, placed_layout, frame_bits) if position_range is not None else ""
     if problem:
         raise EncodeError(problem)
@@ -349,7 +349,7 @@ def _encode_unused(placed_layout: PlacedLayout, inverted_bits: int) -> int:
     for placed_field, low_in_unused in placed_layout.unused:
         inverted_in_field = (inverted_bits >> low_in_unused) & placed_field.mask
         sent_bits = documented_bits(placed_field) ^ inverted_in_field
-        frame_bits |= sent_bits << placed_field.low
+        frame_bits |= sent_bits << placed_field.lowest_bit
         bits_of_no_field &= ~(placed_field.mask << low_in_unused)
     if bits_of_no_field:
         raise EncodeError(

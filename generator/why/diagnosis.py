@@ -310,7 +310,7 @@ def _resulting_frame(hypothesis: Hypothesis) -> object:
     placed_layout = hypothesis.frame_layout
     if placed_layout is None:
         return hypothesis.description
-    field_positions = tuple((placed_field.name, placed_field.low) for placed_field in placed_layout.fields)
+    field_positions = tuple((placed_field.name, placed_field.lowest_bit) for placed_field in placed_layout.fields)
     return hypothesis.frame, placed_layout.bits, field_positions
 
 

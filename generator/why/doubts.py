@@ -178,7 +178,7 @@ def _with_position_from_gray(placed_layout: PlacedLayout, number_names: Sequence
     """Return the frame with the numbers of these names converted from Gray code to binary."""
     converted_frame = frame
     for name in number_names:
-        lowest_bit, width = placed_layout.place_of(name)
+        lowest_bit, width = placed_layout.lowest_bit_and_width_of(name)
         number = (frame >> lowest_bit) & ((1 << width) - 1)
         frame_without_number = converted_frame ^ (number << lowest_bit)
         converted_frame = frame_without_number | (gray_to_binary(number) << lowest_bit)

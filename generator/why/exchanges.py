@@ -307,7 +307,7 @@ def _expected_bits(
     usual_bits = 0
     for placed_field in placed_layout.fields:
         values = usual_values.get(placed_field.name, ())
-        raw_value = (frame >> placed_field.low) & placed_field.mask
+        raw_value = (frame >> placed_field.lowest_bit) & placed_field.mask
         if raw_value in values:
             # Choosing one of 3 or 4 values takes 2 bits, and a single value takes 0 bits.
             free_bits = (len(values) - 1).bit_length()

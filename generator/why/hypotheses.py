@@ -202,7 +202,7 @@ def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, b
     constant_bits = 0
     are_correct = True
     for placed_field in placed_layout.fields:
-        raw_value = (frame >> placed_field.low) & placed_field.mask
+        raw_value = (frame >> placed_field.lowest_bit) & placed_field.mask
         expected_value = _expected_constant(placed_layout, placed_field, frame)
         if expected_value is not None:
             constant_bits += placed_field.width
@@ -241,7 +241,7 @@ def likelihood(placed_layout: PlacedLayout, frame: int) -> float:
     """
     likelihood = 1.0
     for placed_field in placed_layout.fields:
-        raw_value = (frame >> placed_field.low) & placed_field.mask
+        raw_value = (frame >> placed_field.lowest_bit) & placed_field.mask
         match placed_field.field.kind:
             case Flag(active_low=active_low):
                 is_active = bool(raw_value) != active_low
@@ -311,7 +311,7 @@ def _with_crc(
 
 def crc_covered_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, int]:
     """Return the bits of a frame that the CRC covers, as a number shifted to bit 0, and how many they are."""
-    low, width = placed_layout.crc_covers
+    low, width = placed_layout.covered_lowest_bit_and_width
     mask = (1 << width) - 1
     return (frame >> low) & mask, width
 

@@ -227,18 +227,18 @@ def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[
     These are constants, and bits that the CRC does not cover, which are 0 in the result. If they are not whole bytes,
     the result is ``(0, 0)``.
     """
-    low, width = placed_layout.crc_covers if crc is not None else (0, placed_layout.bits)
+    low, width = placed_layout.covered_lowest_bit_and_width if crc is not None else (0, placed_layout.bits)
     first_bit_above_covered = low + width
     command = 0
     lowest_bit = placed_layout.bits
-    fields_as_sent = sorted(placed_layout.fields, key=lambda placed_field: -placed_field.low)
+    fields_as_sent = sorted(placed_layout.fields, key=lambda placed_field: -placed_field.lowest_bit)
     for field in fields_as_sent:
-        is_uncovered = field.low >= first_bit_above_covered
+        is_uncovered = field.lowest_bit >= first_bit_above_covered
         if not isinstance(field.field.kind, Constant) and not is_uncovered:
             break
         if isinstance(field.field.kind, Constant):
-            command |= field.field.kind.value << field.low
-        lowest_bit = field.low
+            command |= field.field.kind.value << field.lowest_bit
+        lowest_bit = field.lowest_bit
     command_bits = placed_layout.bits - lowest_bit
     is_whole_bytes = command_bits % 8 == 0
     return (command >> lowest_bit, command_bits) if is_whole_bytes else (0, 0)
@@ -247,7 +247,7 @@ def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[
 def _constant_bits_at_or_above(placed_layout: PlacedLayout, lowest_bit: int) -> int:
     """Return the number of bits in the constants of a layout whose bits are all at ``lowest_bit`` or above."""
     constants = [field for field in placed_layout.fields if isinstance(field.field.kind, Constant)]
-    return sum(constant.width for constant in constants if constant.low >= lowest_bit)
+    return sum(constant.width for constant in constants if constant.lowest_bit >= lowest_bit)
 
 
 class _OffsetParts(NamedTuple):
@@ -371,9 +371,9 @@ def _idle_status(placed_layout: PlacedLayout, frame_status_mask: int) -> int:
     """Return the inactive values of the error and warning bits, at their places in the frame."""
     idle_bits = 0
     for placed_field in placed_layout.fields:
-        is_status = (frame_status_mask >> placed_field.low) & 1
+        is_status = (frame_status_mask >> placed_field.lowest_bit) & 1
         if is_status and _is_set_when_idle(placed_field.field.kind):
-            idle_bits |= placed_field.mask << placed_field.low
+            idle_bits |= placed_field.mask << placed_field.lowest_bit
     return idle_bits
 
 

@@ -272,7 +272,7 @@ def _missing_last_byte_hypothesis(placed_layout: PlacedLayout, crc: Crc, receive
     """
     data = received_bytes[: -(crc.width // 8 - 1)]
     assert placed_layout.crc_field is not None
-    frame_number = compute_bytes(crc, data) << placed_layout.crc_field.low
+    frame_number = compute_bytes(crc, data) << placed_layout.crc_field.lowest_bit
     last_byte = number_to_bytes(placed_layout.layout, frame_number, placed_layout.bits)[-1:]
     hypothesis = _frame_hypothesis(
         kind="last_bits_missing",
@@ -294,7 +294,7 @@ def _constant_bits_in_first_byte(placed_layout: PlacedLayout) -> int:
     """Return how many bits of the constants, parity bits and selector of a frame are in its first byte."""
     first_byte_mask = _first_byte_mask(placed_layout)
     fields_after_first_byte = [
-        field for field in placed_layout.fields if not (first_byte_mask >> field.low) & field.mask
+        field for field in placed_layout.fields if not (first_byte_mask >> field.lowest_bit) & field.mask
     ]
     layout_without_first_byte = replace(placed_layout, fields=tuple(fields_after_first_byte))
     return _constant_bits(placed_layout) - _constant_bits(layout_without_first_byte)
@@ -351,7 +351,9 @@ def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str
     """
     layout = placed_layout.layout
     first_byte_mask = _first_byte_mask(placed_layout)
-    fields_in_first_byte = [field for field in placed_layout.fields if (first_byte_mask >> field.low) & field.mask]
+    fields_in_first_byte = [
+        field for field in placed_layout.fields if (first_byte_mask >> field.lowest_bit) & field.mask
+    ]
     frame_without_selector = 0
     parity_fields: list[PlacedField] = []
     for field in fields_in_first_byte:
@@ -362,9 +364,9 @@ def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str
         if isinstance(field_kind, Parity):
             parity_fields.append(field)
         elif isinstance(field_kind, Constant):
-            frame_without_selector |= field_kind.value << field.low
+            frame_without_selector |= field_kind.value << field.lowest_bit
         elif len(values_of_field) == 1:
-            frame_without_selector |= values_of_field[0] << field.low
+            frame_without_selector |= values_of_field[0] << field.lowest_bit
         else:
             return
     selector_fields = [field for field in fields_in_first_byte if field.name == layout.selector]
@@ -372,9 +374,9 @@ def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str
     for selector_value in selector_values:
         frame_number = frame_without_selector
         for field in selector_fields:
-            frame_number |= selector_value << field.low
+            frame_number |= selector_value << field.lowest_bit
         # Parity bits are set last, because they depend on the other bits.
         for field in parity_fields:
             assert isinstance(field.field.kind, Parity)
-            frame_number |= parity_bit(placed_layout, field.field.kind, frame_number) << field.low
+            frame_number |= parity_bit(placed_layout, field.field.kind, frame_number) << field.lowest_bit
         yield number_to_bytes(layout, frame_number, placed_layout.bits)[0]

@@ -185,7 +185,7 @@ def status_mask(placed_layout: PlacedLayout) -> int:
     mask = 0
     for placed_field in placed_layout.fields:
         if placed_field.name in status_names:
-            mask |= placed_field.mask << placed_field.low
+            mask |= placed_field.mask << placed_field.lowest_bit
     return mask
 
 
@@ -235,14 +235,14 @@ def _lowest_bit_and_width_of_position(placed_layout: PlacedLayout) -> tuple[int,
     """
     joins = placed_layout.layout.joins
     if placed_layout.layout.gray_of:
-        return placed_layout.place_of(placed_layout.layout.gray_of)
+        return placed_layout.lowest_bit_and_width_of(placed_layout.layout.gray_of)
     if joins:
-        return placed_layout.place_of(joins[0].name)
+        return placed_layout.lowest_bit_and_width_of(joins[0].name)
     number_fields = [field for field in placed_layout.fields if isinstance(field.field.kind, Number)]
     if not number_fields:
         return 0, 0
     widest_field = max(number_fields, key=lambda placed_field: placed_field.width)
-    return placed_layout.place_of(widest_field.name)
+    return placed_layout.lowest_bit_and_width_of(widest_field.name)
 
 
 def _start_bit_hypotheses(without_mistake: Hypothesis) -> Iterator[Hypothesis]:

@@ -298,7 +298,7 @@ def _compute_shapes_of_order_codes(device: Device, variant: Variant, layout: Lay
     for other_variant in device.variants_over(variant.interface):
         other_layout = layout.place({**other_variant.parameters, **answers})
         fixed_fields = [field for field in other_layout.fields if isinstance(field.field.kind, (Constant, Parity))]
-        fixed_places = tuple((field.low, field.width) for field in fixed_fields)
+        fixed_places = tuple((field.lowest_bit, field.width) for field in fixed_fields)
         shape_key = other_layout.bits, device.crc_of(other_layout), fixed_places
         # The layout belongs to the first order code with this key. Each order code adds its name.
         known_shape = shape_by_key.get(shape_key, FrameShape(other_layout, order_codes=()))

@@ -318,7 +318,7 @@ def _zeros_that_may_be_of_word(placed_layout: PlacedLayout, zeros: str, *, is_fi
     for placed_field in placed_layout.fields:
         if isinstance(placed_field.field.kind, Constant):
             # The bits of the constant that are 0.
-            constant_zeros_mask |= (placed_field.mask & ~placed_field.field.kind.value) << placed_field.low
+            constant_zeros_mask |= (placed_field.mask & ~placed_field.field.kind.value) << placed_field.lowest_bit
     # A 1 for each bit of the word that is always 0, the first bit sent first.
     marks = f"{constant_zeros_mask:0{placed_layout.bits}b}"
     marks_without_end = marks.lstrip("1") if is_first else marks.rstrip("1")

@@ -308,8 +308,8 @@ def test_positions_come_back_for_every_order_code(rebuilt: dict[str, tuple[Devic
                         again.layout(layout.name).place(rebuilt_state.parameters),
                     )
                     assert (mine.bits, mine.gray, mine.gray_excess) == (its.bits, its.gray, its.gray_excess)
-                    places = [(field.name, field.low, field.width) for field in mine.fields]
-                    assert places == [(field.name, field.low, field.width) for field in its.fields]
+                    places = [(field.name, field.lowest_bit, field.width) for field in mine.fields]
+                    assert places == [(field.name, field.lowest_bit, field.width) for field in its.fields]
 
 
 #: Path into a description. Items of a list are identified by number or name.

@@ -149,7 +149,7 @@ def data_with_constants(case: Case, numbers: random.Random) -> bytes:
     number = numbers.getrandbits(case.placed.bits)
     for field in case.placed.fields:
         if isinstance(field.field.kind, Constant):
-            number = number & ~(field.mask << field.low) | field.field.kind.value << field.low
+            number = number & ~(field.mask << field.lowest_bit) | field.field.kind.value << field.lowest_bit
     return number_to_bytes(case.layout, number, case.placed.bits)
 
 

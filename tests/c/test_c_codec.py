@@ -72,7 +72,7 @@ class Table:
         values: dict[str, int | str] = {}
         for field in layout.fields:
             placed_field = placed.find_field(field.name)
-            raw = number >> placed_field.low & placed_field.mask if placed_field is not None else 0
+            raw = number >> placed_field.lowest_bit & placed_field.mask if placed_field is not None else 0
             if isinstance(field.kind, Text) and placed_field is not None:
                 values[field.name] = raw.to_bytes(placed_field.width // 8, "big").hex().upper()
             else:
@@ -253,7 +253,9 @@ def within_limits(device: Device, name: str, variant: Variant, placed: PlacedLay
         value = join_value(placed, join, number)
     elif limited_field is not None:
         value = int(
-            value_of_raw(limited_field.field, limited_field.width, number >> limited_field.low & limited_field.mask)
+            value_of_raw(
+                limited_field.field, limited_field.width, number >> limited_field.lowest_bit & limited_field.mask
+            )
         )
     low = register.min.value(variant.parameters) if register.min is not None else 0
     return low <= value <= (register.max.value(variant.parameters) if register.max is not None else value)
@@ -360,8 +362,8 @@ def disturbed_frames(device: Device) -> tuple[list[tuple[str, str]], set[str]]:
 def with_crc(device: Device, placed: PlacedLayout, number: int) -> int:
     for field in placed.fields:
         if isinstance(field.field.kind, CrcValue):
-            cleared = number & ~(field.mask << field.low)
-            return cleared | compute(device.crc(field.field.kind.crc), placed, cleared) << field.low
+            cleared = number & ~(field.mask << field.lowest_bit)
+            return cleared | compute(device.crc(field.field.kind.crc), placed, cleared) << field.lowest_bit
     return number
 
 

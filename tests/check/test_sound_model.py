@@ -136,7 +136,7 @@ def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) ->
     assert [field.name for field in layout.fields] == ["position", "zeros", "error", "warning", "crc"]
     assert layout.place(variant.parameters).bits == 16 + 2 + 6
     later = layout.place(with_registers(device, variant, {0x48: 7 << 3}).parameters)
-    assert [(placed_field.name, placed_field.low, placed_field.width) for placed_field in later.fields][:2] == [
+    assert [(placed_field.name, placed_field.lowest_bit, placed_field.width) for placed_field in later.fields][:2] == [
         ("position", 15, 16),
         ("zeros", 8, 7),
     ]

@@ -113,7 +113,7 @@ def test_what_the_language_carries_that_no_other_family_needs(device: Device) ->
     ]
     word = device.layout("ssi_word").place(device.variant("TV62-M13-S1").parameters)
     assert word.bits == 32
-    assert [(field.name, field.high, field.low) for field in word.fields] == [
+    assert [(field.name, field.highest_bit, field.lowest_bit) for field in word.fields] == [
         ("alarm", 31, 31),
         ("position_padding", 30, 25),
         ("position", 24, 0),

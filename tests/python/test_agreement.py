@@ -212,7 +212,10 @@ def cases(family: Family) -> Iterator[Case]:
                     variant.interface,
                     placed.bits,
                     placed.gray,
-                    tuple((placed_field.name, placed_field.low, placed_field.width) for placed_field in placed.fields),
+                    tuple(
+                        (placed_field.name, placed_field.lowest_bit, placed_field.width)
+                        for placed_field in placed.fields
+                    ),
                 )
                 if key not in compared_keys:
                     compared_keys.add(key)
@@ -466,8 +469,8 @@ def with_matching_crc(device: Device, placed: PlacedLayout, number: int) -> int:
     crc_field, crc = placed.crc_field, device.crc_of(placed)
     assert crc_field is not None
     assert crc is not None
-    cleared = number & ~(crc_field.mask << crc_field.low)
-    return cleared | compute(crc, placed, cleared) << crc_field.low
+    cleared = number & ~(crc_field.mask << crc_field.lowest_bit)
+    return cleared | compute(crc, placed, cleared) << crc_field.lowest_bit
 
 
 def has_selector(device: Device, variant: Variant) -> bool:

@@ -504,7 +504,7 @@ def documented_bytes(register: Register, variant: Variant) -> bytes:
             expected = expected.value(variant.parameters)
         if isinstance(expected, str):
             expected = int.from_bytes(expected.encode(), "big")
-        number |= expected << placed_field.low
+        number |= expected << placed_field.lowest_bit
     return number.to_bytes(register.length, "little" if register.byte_order == "low_byte_first" else "big")
 
 

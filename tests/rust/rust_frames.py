@@ -56,7 +56,7 @@ class Case:
         if decoded.problems:
             return first_fault(decoded.problems)
         powers = any(field.field.number.power_of_two for field in self.placed.fields)
-        covered = sum(field.mask << field.low for field in self.placed.fields)
+        covered = sum(field.mask << field.lowest_bit for field in self.placed.fields)
         again = self._encoded(decoded.values) if powers else self._limited(decoded.values, covered & number)
         return f"ok {self._row(decoded, {})} = {again}"
 

@@ -104,7 +104,7 @@ def test_places_of_fields(program: Program) -> None:
     pairs = []
     for index, _ in enumerate(program.structs):
         for case in cases(program, index):
-            placed = ",".join(f"{field.name} {field.low} {field.width}" for field in case.placed.fields)
+            placed = ",".join(f"{field.name} {field.lowest_bit} {field.width}" for field in case.placed.fields)
             pairs += [(case.set, ""), (f"p {index}", placed)]
     check(program, pairs)
 

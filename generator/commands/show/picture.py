@@ -26,8 +26,8 @@ def picture(placed_layout: PlacedLayout) -> list[str]:
         bits_text = bit_place(
             placed_layout.layout,
             bit_count=placed_layout.bits,
-            highest_bit=placed_field.high,
-            lowest_bit=placed_field.low,
+            highest_bit=placed_field.highest_bit,
+            lowest_bit=placed_field.lowest_bit,
         )
         width = max(len(box_text), len(bits_text)) + 2  # with a space on each side
         width_with_edge = width + 1

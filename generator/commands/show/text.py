@@ -385,7 +385,7 @@ def _placed_fields(register: Register, variant: Variant | None) -> Iterator[tupl
     """Yield each field of a register with its bits. Without an order code, bits that depend on it are omitted."""
     if variant is not None:
         for placed_field in register.layout.place(variant.parameters).fields:
-            yield bits(placed_field.high, placed_field.low), placed_field.field
+            yield bits(placed_field.highest_bit, placed_field.lowest_bit), placed_field.field
         return
     for field in register.layout.fields:
         has_fixed_bits = field.low.is_constant and field.width.is_constant

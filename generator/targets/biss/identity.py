@@ -214,7 +214,7 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
         profile_id = 0
         for placed_field in register.layout.place(variant.parameters).fields:
             value = _stated_value(register.layout, placed_field.field, variant)
-            profile_id += value << placed_field.low
+            profile_id += value << placed_field.lowest_bit
         codes_by_id.setdefault(profile_id, []).append(variant.code)
     return {profile_id: tuple(codes) for profile_id, codes in codes_by_id.items()}
 

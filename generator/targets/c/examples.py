@@ -209,7 +209,7 @@ class ExampleCode:
         numbers: dict[str, int] = {}
         for placed_field in self.frame.layout.place(parameters).fields:
             if isinstance(meaning_of(placed_field.field), UnsignedNumber):
-                numbers[placed_field.name] = (self.frame.sent_number >> placed_field.low) & placed_field.mask
+                numbers[placed_field.name] = (self.frame.sent_number >> placed_field.lowest_bit) & placed_field.mask
         for joined_number in self.struct.layout_plan.joined_numbers:
             if all(field.name in numbers for field in joined_number.fields):
                 numbers[joined_number.name] = joined_number.number_of(numbers, parameters)

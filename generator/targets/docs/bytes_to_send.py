@@ -197,7 +197,7 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     """
     # The limits of a preset register apply to the field of the position, which may begin above bit 0.
     placed_layout = register.layout.place(variant.parameters)
-    lowest_position_bit, position_width = placed_layout.place_of(register.limits_of)
+    lowest_position_bit, position_width = placed_layout.lowest_bit_and_width_of(register.limits_of)
     if not position_width:
         return ""
     length_text = count_with_unit(register.length, "byte")
@@ -386,7 +386,7 @@ def _bytes_to_write(device: Device, register: Register, value: int | None, varia
 def _bits_of_field(register: Register, name: str, variant: Variant) -> str:
     """Return the bits of a field in a register, or its name if it has no bits for this order code."""
     placed_field = register.layout.place(variant.parameters).find_field(name)
-    return bits(placed_field.high, placed_field.low) if placed_field is not None else code_span(name)
+    return bits(placed_field.highest_bit, placed_field.lowest_bit) if placed_field is not None else code_span(name)
 
 
 def bytes_of_zero_position(device: Device, register: Register, variant: Variant) -> bytes | None:
@@ -401,7 +401,7 @@ def bytes_of_zero_position(device: Device, register: Register, variant: Variant)
     register_value = 0
     for placed_field in register.layout.place(variant.parameters).fields:
         if placed_field.name in constant_by_field:
-            register_value |= constant_by_field[placed_field.name] << placed_field.low
+            register_value |= constant_by_field[placed_field.name] << placed_field.lowest_bit
         elif not isinstance(meaning_of(placed_field.field), (UnsignedNumber, TwosComplement)):
             return None
     return register.bytes_of(register_value)

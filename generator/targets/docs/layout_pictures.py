@@ -186,7 +186,7 @@ def _box_text(name: str, bits_text: str, is_active_low: bool) -> str:
 
 def runs_of_layout(placed_layout: PlacedLayout) -> list[_BitRun]:
     """Return the fields of a layout, and the bits outside all fields, highest bits first."""
-    bit_runs = [_run_of_field(placed.field, placed.high, placed.low) for placed in placed_layout.fields]
+    bit_runs = [_run_of_field(placed.field, placed.highest_bit, placed.lowest_bit) for placed in placed_layout.fields]
     for highest, lowest in _gaps_between_fields(placed_layout):
         bit_runs.append(_BitRun(highest, lowest, name="no field", colour="nothing"))
     return sorted(bit_runs, key=lambda run: -run.highest_bit)
@@ -221,7 +221,7 @@ def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
 
 def _range_of_fields(placed_fields: Sequence[PlacedField]) -> tuple[int, int]:
     """Return the highest and the lowest bit of several fields."""
-    return max(field.high for field in placed_fields), min(field.low for field in placed_fields)
+    return max(field.highest_bit for field in placed_fields), min(field.lowest_bit for field in placed_fields)
 
 
 def _run_of_field(field: Field, highest: int, lowest: int) -> _BitRun:
@@ -240,11 +240,11 @@ def _gaps_between_fields(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
     gaps: list[tuple[int, int]] = []
     # All bits from this one upward are in fields or in listed gaps.
     lowest_covered_bit = placed_layout.bits
-    for placed_field in sorted(placed_layout.fields, key=lambda field: -field.high):
-        bit_above_field = placed_field.high + 1
+    for placed_field in sorted(placed_layout.fields, key=lambda field: -field.highest_bit):
+        bit_above_field = placed_field.highest_bit + 1
         if bit_above_field < lowest_covered_bit:
             gaps.append((lowest_covered_bit - 1, bit_above_field))
-        lowest_covered_bit = min(lowest_covered_bit, placed_field.low)
+        lowest_covered_bit = min(lowest_covered_bit, placed_field.lowest_bit)
     if lowest_covered_bit > 0:
         gaps.append((lowest_covered_bit - 1, 0))
     return gaps

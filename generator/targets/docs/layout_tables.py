@@ -81,7 +81,7 @@ def distinct_layouts(
 
 def positions_of_fields(placed_layout: PlacedLayout) -> FieldPositions:
     """Return the name, lowest bit and width of each field."""
-    return tuple((field.name, field.low, field.width) for field in placed_layout.fields)
+    return tuple((field.name, field.lowest_bit, field.width) for field in placed_layout.fields)
 
 
 def name_cell(named_part: HasOtherNames) -> str:
@@ -364,8 +364,8 @@ def _bits_cell(placed_field: PlacedField | None, *, count_from_lowest_bit: bool)
     """
     if placed_field is None:
         return "–"
-    bit_0 = placed_field.low if count_from_lowest_bit else 0
-    return bit_range(placed_field.high - bit_0, placed_field.low - bit_0)
+    bit_0 = placed_field.lowest_bit if count_from_lowest_bit else 0
+    return bit_range(placed_field.highest_bit - bit_0, placed_field.lowest_bit - bit_0)
 
 
 def _field_head(field: Field, place_by_padded_field: Mapping[str, str]) -> str:

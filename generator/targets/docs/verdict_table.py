@@ -160,7 +160,7 @@ def _conditions_phrase(matching_values: MatchingValues) -> str:
 
 def place_of_field(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return the bits of a field, such as ``bit 7``, with their byte if the frame consists of bytes."""
-    highest_bit, lowest_bit = placed_field.high, placed_field.low
+    highest_bit, lowest_bit = placed_field.highest_bit, placed_field.lowest_bit
     if placed_layout.layout.in_bytes:
         return frame_bytes(placed_layout.layout, placed_layout.bits, highest_bit, lowest_bit)
     return bits(highest_bit, lowest_bit)
@@ -396,9 +396,9 @@ def _covered_by_crc(placed_layout: PlacedLayout) -> str:
     """Return what the CRC of a frame covers, such as ``over bits 47:16, `read` to `position```."""
     if not placed_layout.covers_part:
         return "over everything before it"
-    lowest_bit, bit_count = placed_layout.crc_covers
+    lowest_bit, bit_count = placed_layout.covered_lowest_bit_and_width
     covered_bits = range(lowest_bit, lowest_bit + bit_count)
-    covered_names = [code_span(field.name) for field in placed_layout.fields if field.low in covered_bits]
+    covered_names = [code_span(field.name) for field in placed_layout.fields if field.lowest_bit in covered_bits]
     return f"over bits {covered_bits[-1]}:{lowest_bit}, {covered_names[0]} to {covered_names[-1]}"
 
 
