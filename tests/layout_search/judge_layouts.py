@@ -9,7 +9,7 @@ from codewheel.one_line.line import CrcField, EncoderLine, ParityField
 from codewheel.one_line.parse import parse_line
 
 
-def lowest_bit_and_width_of(line: EncoderLine) -> tuple[int, int]:
+def place_of(line: EncoderLine) -> tuple[int, int]:
     """Return the first bit of the position, and the end of its bits."""
     start = 0
     for field in line.fields:
@@ -42,8 +42,8 @@ def is_right(answer: PossibleLine, wanted_text: str, frames: Sequence[str], *, o
     wanted, first = parse_line(wanted_text), parse_line(answer.line)
     lines = [first, *(parse_line(equal.line) for equal in answer.equal_lines)]
     codes = {line.options.is_gray for line in (lines[:1] if only_first else lines)}
-    start, end = lowest_bit_and_width_of(first)
-    wanted_start, wanted_end = lowest_bit_and_width_of(wanted)
+    start, end = place_of(first)
+    wanted_start, wanted_end = place_of(wanted)
     between = range(min(start, wanted_start), max(start, wanted_start))
     is_constant_between = all(len({frame[place] for frame in frames}) == 1 for place in between)
     has_place = end == wanted_end and is_constant_between
