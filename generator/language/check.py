@@ -13,7 +13,7 @@ from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
 from .rules.numbers import check_number_base
 from .rules.order_code import are_codes_complete
-from .schema_check import SOME_SOURCE, FileKind, SchemaResult, check_schema, place_to_remove, without_places
+from .schema_check import SOME_SOURCE, FileKind, SchemaResult, check_schema, data_without_paths, path_to_remove
 from .schemas import PROSE, schema_without_references
 
 #: Stand-ins for missing keys at the top level, so that the rest can be built and checked.
@@ -36,22 +36,27 @@ def check_document(document: Document, report: ProblemReport) -> dict[str, Any] 
         parameters of a device are broken, both are empty. None if nothing can be built: a device with too many
         problems, or a file of another kind with any.
     """
-    checked = check_schema(document, report)
-    if checked is None:
+    schema_result = check_schema(document, report)
+    if schema_result is None:
         return None
-    if checked.kind is FileKind.DEVICE:
-        return _remove_broken_parts(checked, document, report)
+    if schema_result.file_kind is FileKind.DEVICE:
+        return _remove_broken_parts(schema_result, document, report)
     problems_before = len(report)
-    if checked.kind is FileKind.MASTER:
-        check_master(checked.data, report.for_document(document))
-    check_number_base(WrittenSpec(checked.data), report.for_document(document))
-    return checked.data if checked.complete and len(report) == problems_before else None
+    if schema_result.file_kind is FileKind.MASTER:
+        check_master(schema_result.data, report.for_document(document))
+    check_number_base(WrittenSpec(schema_result.data), report.for_document(document))
+    return schema_result.data if schema_result.is_complete and len(report) == problems_before else None
 
 
 def check_overlay(document: Document, report: ProblemReport) -> bool:
     """Check an overlay by itself, and return True if it has no errors, so that it can be applied to a spec."""
-    checked = check_schema(document, report, FileKind.OVERLAY)
-    return checked is not None and checked.complete and not checked.cut and not report.faults(document)
+    schema_result = check_schema(document, report, FileKind.OVERLAY)
+    return (
+        schema_result is not None
+        and schema_result.is_complete
+        and not schema_result.removed_paths
+        and not report.faults(document)
+    )
 
 
 def check_second(document: Document, report: ProblemReport) -> dict[str, Any] | None:
@@ -60,8 +65,8 @@ def check_second(document: Document, report: ProblemReport) -> dict[str, Any] | 
     Returns:
         The same as ``check_document``.
     """
-    checked = check_schema(document, report, FileKind.SECOND)
-    return _remove_broken_parts(checked, document, report) if checked is not None else None
+    schema_result = check_schema(document, report, FileKind.SECOND)
+    return _remove_broken_parts(schema_result, document, report) if schema_result is not None else None
 
 
 class _TooManyProblems(Exception):
@@ -94,15 +99,17 @@ class _RecordingReport(DocumentReport):
         super().mark(path)
 
 
-def _remove_broken_parts(checked: SchemaResult, document: Document, report: ProblemReport) -> dict[str, Any] | None:
+def _remove_broken_parts(
+    schema_result: SchemaResult, document: Document, report: ProblemReport
+) -> dict[str, Any] | None:
     """Return the data of a device without the broken parts, or None if it has too many problems."""
     try:
-        return _check_device(checked, document, report)
+        return _check_device(schema_result, document, report)
     except _TooManyProblems:
         return None
 
 
-def _check_device(checked: SchemaResult, document: Document, report: ProblemReport) -> dict[str, Any]:
+def _check_device(schema_result: SchemaResult, document: Document, report: ProblemReport) -> dict[str, Any]:
     """Check a device with every rule, and return its data without the parts that cannot be built.
 
     If a rule in ``FOUNDATIONS`` reports order codes or parameters, the result has neither. A rule in ``SHAPES`` that
@@ -111,10 +118,10 @@ def _check_device(checked: SchemaResult, document: Document, report: ProblemRepo
     Raises:
         _TooManyProblems: It has too many problems.
     """
-    has_valid_codes = are_codes_complete(checked.data, document.data)
-    report.mark(document, checked.cut)
-    removed_places = set(checked.cut)
-    completed_data = _with_prose(checked.data, checked.kind)
+    has_valid_codes = are_codes_complete(schema_result.data, document.data)
+    report.mark(document, schema_result.removed_paths)
+    all_removed_paths = set(schema_result.removed_paths)
+    completed_data = _with_prose(schema_result.data, schema_result.file_kind)
     recording_report = _RecordingReport(report, document)
     spec = WrittenSpec(completed_data, with_invalid_parts=WrittenSpec(document.data))
     for rule in RULES:
@@ -125,10 +132,10 @@ def _check_device(checked: SchemaResult, document: Document, report: ProblemRepo
         if rule in FOUNDATIONS and reports_codes:
             has_valid_codes = False
         if rule in SHAPES:
-            removed_places.update(place_to_remove(path) for path in reported_paths)
-    if removed_places != checked.cut:
-        remaining_data = without_places(document, removed_places, checked.stand_ins)
-        completed_data = _with_prose(remaining_data, checked.kind)
+            all_removed_paths.update(path_to_remove(path) for path in reported_paths)
+    if all_removed_paths != schema_result.removed_paths:
+        remaining_data = data_without_paths(document, all_removed_paths, schema_result.stand_ins)
+        completed_data = _with_prose(remaining_data, schema_result.file_kind)
     return _with_stand_ins(completed_data, has_valid_codes, document)
 
 

@@ -35,7 +35,7 @@ from .rules.walk import ErratumTargets, as_affected, names_of_characteristics, w
 SUFFIX = ".overlay"
 #: Kinds of changes. Each change has exactly one.
 CHANGE_KINDS = ("set", "add", "remove", "unknown", "also")
-_VALUE_OF = {"set": "to", "add": "value"}
+_VALUE_KEY_BY_CHANGE_KIND = {"set": "to", "add": "value"}
 #: Keys that no change may touch: they identify the family, or do not state a fact of the manual.
 _UNCHANGEABLE_KEYS = frozenset("codewheel device manufacturer editions".split())
 #: Longest value shown in a comment, in characters.
@@ -106,7 +106,7 @@ class _Change:
     @property
     def key_of_value(self) -> str:
         """Key of the new value, or an empty string for a kind of change without a new value."""
-        return _VALUE_OF.get(self.kind, "")
+        return _VALUE_KEY_BY_CHANGE_KIND.get(self.kind, "")
 
     @property
     def new_value(self) -> Any:
@@ -205,7 +205,7 @@ class LayeredSpec:
 
         ``set`` needs ``to``, and ``add`` needs ``value``. Other kinds of changes have no new value.
         """
-        for key in _VALUE_OF.values():
+        for key in _VALUE_KEY_BY_CHANGE_KIND.values():
             is_needed = key == change.key_of_value
             is_given = key in change.data
             if is_given != is_needed:

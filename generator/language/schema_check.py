@@ -44,15 +44,15 @@ class SchemaResult:
     """Result of the schema check.
 
     ``data`` is a deep copy without the broken parts. It follows the schema, except that keys may be missing at the top
-    level or at the top level of an interface. ``complete`` is set if none is missing. ``cut`` contains the places that
-    were removed, and ``stand_ins`` the stand-ins for missing prose, keyed by the place of the item. The document
-    records which list items were removed, so that paths into ``data`` still find their lines.
+    level or at the top level of an interface. ``is_complete`` is set if none is missing. ``removed_paths`` contains
+    the paths of the broken parts, and ``stand_ins`` the stand-ins for missing prose, keyed by the path of the item. The
+    document records which list items were removed, so that paths into ``data`` still find their lines.
     """
 
     data: dict[str, Any]
-    kind: FileKind
-    complete: bool
-    cut: frozenset[Path] = frozenset()
+    file_kind: FileKind
+    is_complete: bool
+    removed_paths: frozenset[Path] = frozenset()
     stand_ins: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
 
 
@@ -78,14 +78,14 @@ def check_schema(document: Document, report: ProblemReport, file_kind: FileKind 
     document.kept_indices.clear()
     unread_places = set(document.broken)
     if not unread_places and follows_schema(document.data, schema_without_references(file_kind.value)):
-        return SchemaResult(without_places(document, frozenset()), file_kind, complete=True)
+        return SchemaResult(data_without_paths(document, frozenset()), file_kind, is_complete=True)
     validator = _build_validator(file_kind.value)
     findings = _collect_findings(validator, document.data, unread_places, file_kind.value)
     _report_findings(findings, document, report)
     if len(findings) > MAX_PROBLEMS:
         return None
     if not findings and not unread_places:
-        return SchemaResult(without_places(document, frozenset()), file_kind, complete=True)
+        return SchemaResult(data_without_paths(document, frozenset()), file_kind, is_complete=True)
     return _remove_broken_items(validator, document, _places_to_remove(unread_places, findings), file_kind)
 
 
@@ -95,11 +95,11 @@ def _places_to_remove(unread_places: set[Path], findings: Sequence[RuleFinding])
     A missing key of a file or an interface, and missing prose, are tolerated. If the part with an error can still be
     used, as with an extra key, only the place of the error itself is removed.
     """
-    places = set(map(place_to_remove, unread_places))
+    places = set(map(path_to_remove, unread_places))
     for finding in findings:
         if _can_be_incomplete(finding.path) or _is_missing_prose(finding):
             continue
-        places.add(finding.path if finding.alone else place_to_remove(finding.path))
+        places.add(finding.path if finding.alone else path_to_remove(finding.path))
     return places
 
 
@@ -157,16 +157,18 @@ def _kind_of_file(file_data: dict[str, Any]) -> FileKind | None:
     return FileKind.MANUFACTURER if "manufacturer" in file_data else None
 
 
-def without_places(
-    document: Document, cut: Collection[Path], stand_ins: Mapping[Path, Mapping[str, str]] = MappingProxyType({})
+def data_without_paths(
+    document: Document,
+    removed_paths: Collection[Path],
+    stand_ins: Mapping[Path, Mapping[str, str]] = MappingProxyType({}),
 ) -> dict[str, Any]:
-    """Return a copy of the data of a document without the places in ``cut``.
+    """Return a copy of the data of a document without the values at ``removed_paths``.
 
     The document records the original indices of the elements that remain in lists. ``stand_ins`` contains values to add
     for missing keys, by the path of the map that lacks them.
     """
     document.kept_indices.clear()
-    data: dict[str, Any] = _copy_without(document.data, cut, (), document.kept_indices)
+    data: dict[str, Any] = _copy_without(document.data, removed_paths, (), document.kept_indices)
     for path, stand_ins_by_key in stand_ins.items():
         mapping = remaining_value_at(data, path, document.kept_indices)
         if isinstance(mapping, dict):
@@ -174,8 +176,10 @@ def without_places(
     return data
 
 
-def _remove_broken_items(validator: Any, document: Document, cut: set[Path], file_kind: FileKind) -> SchemaResult:
-    """Return the data of a document without the places in ``cut`` and without further parts that break the schema.
+def _remove_broken_items(
+    validator: Any, document: Document, removed_paths: set[Path], file_kind: FileKind
+) -> SchemaResult:
+    """Return the data of a document without ``removed_paths`` and without further parts that break the schema.
 
     The remaining data are checked again after each removal, because it can cause new errors, such as a list that is too
     short. Missing prose gets stand-ins instead. A missing key of a file or an interface only makes the result
@@ -183,9 +187,9 @@ def _remove_broken_items(validator: Any, document: Document, cut: set[Path], fil
     """
     stand_ins: dict[Path, Mapping[str, str]] = {}
     while True:
-        remaining_data = without_places(document, cut, stand_ins)
+        remaining_data = data_without_paths(document, removed_paths, stand_ins)
         is_complete = True
-        further_cuts: set[Path] = set()
+        further_broken_paths: set[Path] = set()
         stand_ins_before = len(stand_ins)
         for error in validator.iter_errors(remaining_data):
             path = _find_original_path(tuple(error.absolute_path), document.kept_indices)
@@ -195,17 +199,17 @@ def _remove_broken_items(validator: Any, document: Document, cut: set[Path], fil
             elif is_missing_key and _can_be_incomplete(path):
                 is_complete = False
             elif path:  # The file as a whole cannot be removed.
-                further_cuts.add(path)
-        has_changed = not further_cuts <= cut or len(stand_ins) > stand_ins_before
-        if not has_changed:
+                further_broken_paths.add(path)
+        needs_another_check = not further_broken_paths <= removed_paths or len(stand_ins) > stand_ins_before
+        if not needs_another_check:
             return SchemaResult(
                 data=remaining_data,
-                kind=file_kind,
-                complete=is_complete,
-                cut=frozenset(cut),
+                file_kind=file_kind,
+                is_complete=is_complete,
+                removed_paths=frozenset(removed_paths),
                 stand_ins=stand_ins,
             )
-        cut |= further_cuts
+        removed_paths |= further_broken_paths
 
 
 def _stand_ins_for_missing_keys(error: Any) -> dict[str, str]:
@@ -232,7 +236,7 @@ def _can_be_incomplete(path: Path) -> bool:
     return not path or (len(path) == 2 and path[0] == "interfaces")
 
 
-def place_to_remove(path: Path) -> Path:
+def path_to_remove(path: Path) -> Path:
     """Return the path of the part to remove because of an error at ``path``.
 
     It is the register, layout or group around an error in its fields: the error ``("registers", 2, "fields", 0,
@@ -251,20 +255,22 @@ def place_to_remove(path: Path) -> Path:
     return path
 
 
-def _copy_without(node: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
-    """Return a copy of ``node``, the value at ``path``, without the places in ``cut``.
+def _copy_without(
+    node: Any, removed_paths: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]
+) -> Any:
+    """Return a copy of ``node``, the value at ``path``, without the values at ``removed_paths``.
 
     For each list that loses elements, the original indices of the others are added to ``kept_indices``.
     """
 
     def copy_child(step: str | int) -> Any:
-        return _copy_without(node[step], cut, (*path, step), kept_indices)
+        return _copy_without(node[step], removed_paths, (*path, step), kept_indices)
 
     if isinstance(node, dict):
-        remaining_keys = [key for key in node if (*path, key) not in cut]
+        remaining_keys = [key for key in node if (*path, key) not in removed_paths]
         return {key: copy_child(key) for key in remaining_keys}
     if isinstance(node, list):
-        remaining_indices = tuple(index for index in range(len(node)) if (*path, index) not in cut)
+        remaining_indices = tuple(index for index in range(len(node)) if (*path, index) not in removed_paths)
         if len(remaining_indices) < len(node):
             kept_indices[path] = remaining_indices
         return [copy_child(index) for index in remaining_indices]
