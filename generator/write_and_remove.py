@@ -4,7 +4,8 @@ Each target has its own folder in the output folder. Its complete new content is
 folder next to it. The folders are exchanged when all targets are complete. Only one process at a time does this.
 
 Each target's folder has a list of the files that codewheel wrote. All other files and folders belong to the user. They
-are never overwritten or removed unless the user requests it.
+are never overwritten or removed unless the user requests it. Whether outputs of families that a run has not read may be
+removed is decided in ``commands/generate/removal_guard``.
 """
 
 from __future__ import annotations

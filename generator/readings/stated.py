@@ -382,7 +382,7 @@ def text_facts(reading: SpecReading) -> Iterator[ComparedFact]:
 
 
 def is_source(key: str | int) -> bool:
-    """Return whether a key of a spec contains a citation of a manual, such as ``source`` or ``default_source``."""
+    """Return whether a key of a spec contains a citation of a manual, such as ``source`` or ``alignment_source``."""
     return key == "source" or str(key).endswith("_source")
 
 

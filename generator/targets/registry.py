@@ -1,4 +1,4 @@
-"""All built-in and registered targets, and the files and colors that built-in targets share."""
+"""All built-in and registered targets, and the files that built-in targets share."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from ..terminal import CommandError, refuse_missing
 
 if TYPE_CHECKING:
     from ...model import Device
-    from .files import Guard
+    from .removal_guard import RemovalGuard
 
 OUTPUT = Path("generated")
 
@@ -60,11 +60,11 @@ class Selection:
         *other_options, limit = self.options
         return (*other_options, ",".join([limit, *user_families]))
 
-    def guard(self, arguments: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> Guard:
+    def guard(self, arguments: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> RemovalGuard:
         """Return a check that prevents the run from changing outputs that belong to other specs."""
-        from .files import Guard
+        from .removal_guard import RemovalGuard
 
-        return Guard(arguments.output, devices, files, self.command_with, is_comparison=arguments.check)
+        return RemovalGuard(arguments.output, devices, files, self.command_with, is_comparison=arguments.check)
 
 
 def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:

@@ -1,6 +1,6 @@
 """The browser target: a page and a script that decode frames and registers, with the data of each family.
 
-Regular expressions come from ``order_codes.labels``, in the notation of JavaScript.
+Regular expressions come from ``order_codes``, in the notation of JavaScript.
 
 The script contains the plans of all frames as tables, and the runtime. Other pages can embed the decoder box.
 """
