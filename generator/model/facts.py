@@ -139,6 +139,11 @@ class Alarm:
     )
     source: Sources = source_key()
 
+    @property
+    def flag_name(self) -> str:
+        """Name of its flag in frames and registers, which may differ from the alarm's own name."""
+        return self.field or self.name
+
 
 @part("One contact.", identity="contact signal")
 class Contact:

@@ -201,7 +201,7 @@ class VirtualEncoder:
         These parts are the fields whose names are in the name of the procedure: ``reset_multiturn`` sets the field
         ``multiturn`` to 0.
         """
-        self.flags -= {alarm.name for alarm in self.device.alarms if procedure in alarm.cleared_by}
+        self.flags -= {alarm.flag_name for alarm in self.device.alarms if procedure in alarm.cleared_by}
         fields = self._position_fields(self._position_layout)
         resets_position = any(placed_field.name in procedure for placed_field in fields)
         if not resets_position:
@@ -242,8 +242,8 @@ class VirtualEncoder:
 
     @cached_property
     def _alarms_in_registers(self) -> frozenset[str]:
-        """Names of the alarms that a register reports."""
-        return frozenset(alarm.name for alarm in self.device.alarms if alarm.register)
+        """Names of the flags of alarms that a register reports."""
+        return frozenset(alarm.flag_name for alarm in self.device.alarms if alarm.register)
 
     def frame(self, layout: Layout, request_values: Mapping[str, int | str | bool] | None = None) -> int:
         """Return a frame with the current values as one number.
@@ -393,7 +393,7 @@ class VirtualEncoder:
     @cached_property
     def _not_ready_flags(self) -> set[str]:
         """Names of the flags of alarms that the manual describes as not latching. They are active while it is busy."""
-        non_latching_alarms = {alarm.name for alarm in self.device.alarms if alarm.latch is False}
+        non_latching_alarms = {alarm.flag_name for alarm in self.device.alarms if alarm.latch is False}
         return non_latching_alarms & self._flag_names
 
     @cached_property

@@ -403,7 +403,7 @@ class Memory:
             return
         content = self.value(register.name)
         position_names = self._encoder.position_names()
-        alarm_names = {alarm.field for alarm in self._encoder.device.alarms if alarm.register}
+        alarm_names = {alarm.flag_name for alarm in self._encoder.device.alarms if alarm.register}
         for placed_field in self._encoder.place(register.layout).fields:
             if placed_field.name in position_names:
                 position_bits = self._encoder.position_now() & placed_field.mask
@@ -432,7 +432,7 @@ class Memory:
             last_reads = list(self._last_reads)[-read_count:]
             if last_reads == registers_to_read:
                 cleared_alarms = [alarm for alarm in self._encoder.device.alarms if procedure.name in alarm.cleared_by]
-                self._encoder.flags -= {alarm.name for alarm in cleared_alarms}
+                self._encoder.flags -= {alarm.flag_name for alarm in cleared_alarms}
 
 
 def _command_steps(procedure: Procedure, command_register: Register) -> list[WriteStep]:

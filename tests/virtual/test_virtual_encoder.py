@@ -15,6 +15,10 @@ from codewheel.virtual.simulation_options import motion
 WORDS = Path(__file__).parents[1] / "c/specs/words.yaml"
 
 
+#: A made-up encoder with an alarm whose flag has another name.
+TWICE = Path(__file__).parents[1] / "readings/specs/twice.yaml"
+
+
 class Clock:
     """Time that a test sets."""
 
@@ -38,6 +42,15 @@ def test_a_frame_of_the_manual_over_biss() -> None:
     line = BissLine(VirtualEncoder("AMM5A21/65KSC1", 1_000_003))
     assert line.frame() == int(f"{bits}{remainder ^ 0x3F:06b}", 2)
     assert line.bits == 45
+
+
+def test_a_reset_clears_the_flag_of_an_alarm_with_another_name() -> None:
+    """The alarm too_hot has the flag hot."""
+    specs = TWICE.parent
+    encoder = VirtualEncoder("T10R", specs=[TWICE, specs / "manufacturer.yaml"])
+    encoder.set_flag("hot")
+    encoder.reset("reset_all")
+    assert "hot" not in encoder.flags
 
 
 def test_a_reply_over_rs_485() -> None:
