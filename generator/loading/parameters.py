@@ -329,7 +329,8 @@ def parameter_sets(
     """Return every set of parameters that layouts must support, by interface.
 
     Each set contains the parameters of an order code, possibly with extreme values of the parameters that registers
-    hold (one of them or several), and possibly with an answer to an open question other than its first answer.
+    hold (one of them or several), and possibly with an answer to an open question other than its first answer. If there
+    are more than ``MOST_SETS``, the rest is left out, and ``exceeds_work_limit`` reports the spec.
     """
     interface_names = (*raw_spec["interfaces"], *map(interface_name_of, WrittenSpec(dict(raw_spec)).registers))
     if not variants:  # The parameters are not known, but parts that do not use them can still be checked.
@@ -339,17 +340,16 @@ def parameter_sets(
     for alternative in alternatives:
         # The order codes already have the values of the first answer, which is the default.
         values_of_answers += [answer.sets for answer in alternative.answers[1:]]
-    listed_sets: set[tuple[str, tuple[int, ...]]] = set()
+    listed_sets: set[tuple[str, frozenset[tuple[str, int]]]] = set()
     for (interface, code_values), register_values, answer_values in product(
         _values_set_by_codes(definitions, variants), _states_of_registers(raw_spec), values_of_answers
     ):
         parameters = {**code_values, **register_values, **answer_values}
-        # The parameters of an interface are always in the same order, so their values identify a set.
-        interface_and_values = (interface, tuple(parameters.values()))
+        interface_and_values = (interface, frozenset(parameters.items()))
         if interface_and_values not in listed_sets:
             listed_sets.add(interface_and_values)
             sets_by_interface.setdefault(interface, []).append(resolve_parameters(parameters, definitions))
-        if len(listed_sets) > MOST_SETS:  # ``exceeds_work_limit`` reports the spec.
+        if len(listed_sets) > MOST_SETS:
             break
     # An interface that no order code has is reported elsewhere. Its layouts are checked with the parameters of the
     # other interfaces.

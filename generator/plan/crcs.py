@@ -12,6 +12,7 @@ from enum import Enum
 from functools import cache
 from itertools import combinations
 from math import comb
+from typing import NamedTuple
 
 from ..model import (
     Crc,
@@ -119,6 +120,18 @@ def remainder(number: int, polynomial: int) -> int:
     return number
 
 
+class _ReductionPlan(NamedTuple):
+    """Steps that reduce a number to its CRC. The smallest plan, compared member by member, is the cheapest.
+
+    ``wide_step_count`` is the number of steps whose result has more than 32 bits. ``k_of_steps`` is the k of each step.
+    """
+
+    step_count: int
+    wide_step_count: int
+    sum_of_k: int
+    k_of_steps: tuple[int, ...]
+
+
 def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
     """Return the fewest steps that reduce a word of ``bits`` bits to its remainder modulo x^n + x^m + 1 or x^n + 1.
 
@@ -133,28 +146,29 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
     middle_exponent = terms_above_one.bit_length() - 1 if terms_above_one else 0
 
     @cache
-    def cheapest_plan(bits_left: int) -> tuple[int, int, int, tuple[int, ...]]:
-        """Return the number of steps, of steps with results above 32 bits, the sum of the k, and the k of each step.
-
-        The smallest of such tuples is the cheapest plan.
-        """
+    def cheapest_plan(bits_left: int) -> _ReductionPlan:
+        """Return the cheapest plan that reduces a number of ``bits_left`` bits to the width of the CRC."""
         if bits_left <= width:
-            return 0, 0, 0, ()
-        plans = []
+            return _ReductionPlan(step_count=0, wide_step_count=0, sum_of_k=0, k_of_steps=())
+        plans: list[_ReductionPlan] = []
         for k in range((bits_left - 1).bit_length()):
             # n*2^k and m*2^k.
             shift = width << k
             second_shift = middle_exponent << k
             if shift < bits_left:
                 next_bits = max(shift, bits_left - shift + second_shift)
-                steps, wide_steps, sum_of_k, later_k = cheapest_plan(next_bits)
-                is_wide = next_bits > 32
-                plans.append((steps + 1, wide_steps + int(is_wide), sum_of_k + k, (k, *later_k)))
+                later_plan = cheapest_plan(next_bits)
+                plan = _ReductionPlan(
+                    step_count=later_plan.step_count + 1,
+                    wide_step_count=later_plan.wide_step_count + int(next_bits > 32),
+                    sum_of_k=later_plan.sum_of_k + k,
+                    k_of_steps=(k, *later_plan.k_of_steps),
+                )
+                plans.append(plan)
         return min(plans)
 
-    *_, k_of_steps = cheapest_plan(bits)
     fold_steps_of_plan = []
-    for k in k_of_steps:
+    for k in cheapest_plan(bits).k_of_steps:
         shift = width << k
         fold_steps_of_plan.append(FoldStep(shift=shift, mask=(1 << shift) - 1, second_shift=middle_exponent << k))
     return tuple(fold_steps_of_plan)

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
-from ..changes.family_pair import keys_with_old_and_new
 from ..language.document import Path
 from ..say import first_of
 from ..say.names_and_evidence import bits as bits_text
@@ -48,7 +47,8 @@ def compare_facts(
     also if the spec implies it. ``find_path_in_spec`` returns where the spec should state such a fact, or None for a
     fact that it need not state.
     """
-    for key, second_fact, spec_fact in keys_with_old_and_new(second_facts, spec_facts):
+    for key in dict.fromkeys((*second_facts, *spec_facts)):
+        spec_fact, second_fact = spec_facts.get(key), second_facts.get(key)
         if spec_fact is not None and not spec_fact.is_implied:
             if second_fact is not None:
                 yield from _compare_values(comparison, spec_fact, second_fact)

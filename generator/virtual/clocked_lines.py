@@ -254,8 +254,7 @@ class BissLine(ByLevels):
         if not is_for_this_encoder or not is_crc_correct:
             return 0
         write_bit = yield read_bit
-        is_read_or_write = read_bit != write_bit
-        if not is_read_or_write:
+        if read_bit == write_bit:  # neither a read nor a write
             return write_bit
         is_accessible = memory.writable if write_bit else memory.readable
         # The encoder rejects an access by sending the write bit inverted.
@@ -272,8 +271,9 @@ class BissLine(ByLevels):
                     return cdm
             else:
                 cdm = yield from self._read_byte(address)
+            stop_bit = cdm  # 1 ends the access. 0 announces the start bit of another byte.
             is_last_of_bank = address & 0x3F == 0x3F  # A bank has 64 bytes.
-            if cdm or is_last_of_bank or not is_accessible(address + 1):
+            if stop_bit or is_last_of_bank or not is_accessible(address + 1):
                 return 1
             address += 1
             cdm = yield 0

@@ -156,7 +156,7 @@ def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypot
 def _explain_mistake(device: Device, hypotheses_of_mistake: Sequence[Hypothesis]) -> Explanation:
     """Return one explanation for hypotheses with the same mistake, which differ only in the value of a lost bit.
 
-    With two possible values, the mistake matches twice as many frames by chance.
+    Each hypothesis leaves out the assumed bit, so their ``one_in`` are added to count the bits that were compared once.
     """
     explanations = [
         _explain_hypothesis(device, hypothesis, undecided_parameters=frozenset())

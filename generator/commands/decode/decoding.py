@@ -205,7 +205,8 @@ class Decoding:
         """
         frames = self._last_frames
         failed_count = sum(bool(frame.decoded.problems) for frame in frames)
-        if not len(frames) / LEAST_FAILED <= failed_count < len(frames):
+        have_enough_failed = failed_count * LEAST_FAILED >= len(frames)
+        if not have_enough_failed or failed_count == len(frames):
             return []
         from ...why.hypotheses import has_only_parity
         from ...why.together import judge_together
