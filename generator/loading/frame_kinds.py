@@ -112,7 +112,7 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
             if layout.judges_position:
                 yield from verdicts
                 yield Verdict.USABLE
-                depends_on_order_code = not layout.judging_bits.is_constant
+                depends_on_order_code = not layout.judges_if_positive.is_constant
                 if depends_on_order_code:
                     yield Verdict.UNKNOWN
             else:

@@ -156,7 +156,7 @@ class Layout:
         return tuple(field for field in self.fields if field.name in judging_names)
 
     @cached_property
-    def judging_bits(self) -> Expression:
+    def judges_if_positive(self) -> Expression:
         """Expression that is positive for order codes whose frames show whether the position is usable, otherwise 0.
 
         A field that shows it has the width 0 for order codes without it. If such a field has a constant width, all
@@ -171,7 +171,7 @@ class Layout:
     @property
     def judges_position(self) -> bool:
         """True if at least for some order codes, every frame says whether the position is usable."""
-        return self.judging_bits != Expression(0)
+        return self.judges_if_positive != Expression(0)
 
     def with_unknown_verdicts(self) -> Layout:
         """Return the layout with the verdict UNKNOWN, instead of a warning, while reserved bits have another value."""
@@ -339,7 +339,7 @@ class PlacedLayout:
     @cached_property
     def judges_position(self) -> bool:
         """True if every frame of the order code says whether the position is usable."""
-        return self.layout.judging_bits.value(self.parameters) > 0
+        return self.layout.judges_if_positive.value(self.parameters) > 0
 
     @property
     def has_parity(self) -> bool:

@@ -174,8 +174,8 @@ class Description:
     ``exchanged_bytes`` has the first byte of each field with a byte order of its own, and the byte after it.
 
     ``columns`` and ``fields`` contain all fields, in the order of the layout. ``fixed`` contains the constant bits that
-    are not all 0. ``otherwise`` is the verdict if no cause applies, or None without a position. If ``judging_bits`` is
-    not None, the verdict is at best UNKNOWN for order codes where it is 0.
+    are not all 0. ``otherwise`` is the verdict if no cause applies, or None without a position. If
+    ``judges_if_positive`` is not None, the verdict is at best UNKNOWN for order codes where it is 0.
     """
 
     bits: Expression
@@ -195,7 +195,7 @@ class Description:
     digit_codings: tuple[DigitCoding, ...]
     fixed: tuple[tuple[BitSpan, int], ...]
     otherwise: Verdict | None
-    judging_bits: Expression | None
+    judges_if_positive: Expression | None
 
 
 def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | None = None) -> Description:
@@ -224,7 +224,7 @@ def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | No
         digit_codings=layout_plan.digit_codings,
         fixed=tuple(_constant_ones(layout_plan)),
         otherwise=None,
-        judging_bits=None,
+        judges_if_positive=None,
     )
     if reporting is None:
         return description
@@ -236,7 +236,7 @@ def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | No
         description,
         verdict_causes=tuple(_describe_verdict_causes(verdict_rules)),
         otherwise=verdict_rules.default_verdict,
-        judging_bits=verdict_rules.judging_bits if verdict_rules.may_be_unknown else None,
+        judges_if_positive=verdict_rules.judges_if_positive if verdict_rules.may_be_unknown else None,
     )
 
 

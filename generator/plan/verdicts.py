@@ -1,6 +1,8 @@
 """Verdict on the position of a frame, and the reports of the encoder that decide it.
 
 A valid frame may contain an unusable position, since an encoder with an error, or a busy one, also sends valid CRCs.
+The verdict of each flag, value and reserved bit comes from the model: ``loading/fields`` and ``model/interfaces`` set
+it, ``model/layout`` finds the fields that judge the position, and ``reference/findings`` decides independently.
 """
 
 from __future__ import annotations
@@ -77,20 +79,20 @@ class VerdictCause:
 class VerdictRules:
     """Verdict on a position: the verdict of the worst active cause, or ``default_verdict`` if none is active.
 
-    If ``default_verdict`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning. ``judging_bits``
-    is the number of bits that say whether the position is usable. For order codes for which this number is 0, UNKNOWN
-    is also a verdict.
+    If ``default_verdict`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning.
+    ``judges_if_positive`` is positive for order codes whose frames say whether the position is usable. For other order
+    codes, UNKNOWN is also a verdict.
     """
 
     not_usable: tuple[VerdictCause, ...]
     with_warning: tuple[VerdictCause, ...]
     default_verdict: Verdict
-    judging_bits: Expression
+    judges_if_positive: Expression
 
     @property
     def may_be_unknown(self) -> bool:
         """True if only the frames of some order codes have bits that judge the position."""
-        return not self.judging_bits.is_constant
+        return not self.judges_if_positive.is_constant
 
     def for_parameters(self, parameters: Mapping[str, int]) -> VerdictRules:
         """Return the rules for an order code with these parameters, without causes whose bits its frames lack.
@@ -99,11 +101,13 @@ class VerdictRules:
         warnings are then omitted, since UNKNOWN is worse than a warning.
         """
         not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.cause, parameters))
-        judges_position = self.judging_bits.value(parameters) > 0
+        judges_position = self.judges_if_positive.value(parameters) > 0
         if not judges_position:
-            return VerdictRules(not_usable, (), default_verdict=Verdict.UNKNOWN, judging_bits=Expression(0))
+            return VerdictRules(not_usable, (), default_verdict=Verdict.UNKNOWN, judges_if_positive=Expression(0))
         with_warning = tuple(cause for cause in self.with_warning if _has_bits(cause.cause, parameters))
-        return VerdictRules(not_usable, with_warning, default_verdict=self.default_verdict, judging_bits=Expression(1))
+        return VerdictRules(
+            not_usable, with_warning, default_verdict=self.default_verdict, judges_if_positive=Expression(1)
+        )
 
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
@@ -148,8 +152,10 @@ def verdict_rules_of(layout_plan: LayoutPlan) -> VerdictRules:
     if layout_plan.layout.judges_position:
         with_warning = tuple(causes_by_verdict[Verdict.USABLE_WITH_WARNING])
         default_verdict = Verdict.USABLE
-    judging_bits = layout_plan.layout.judging_bits
-    return VerdictRules(not_usable, with_warning, default_verdict=default_verdict, judging_bits=judging_bits)
+    judges_if_positive = layout_plan.layout.judges_if_positive
+    return VerdictRules(
+        not_usable, with_warning, default_verdict=default_verdict, judges_if_positive=judges_if_positive
+    )
 
 
 def _decoded_fields(layout_plan: LayoutPlan) -> dict[str, FieldToDecode]:

@@ -319,7 +319,7 @@ function judgeFrame(decoded) {
 
 /** Return whether the frame has bits that say whether the position is usable, if this depends on the order code. */
 function hasJudgingBits({ layout, parameters }) {
-  return layout.judging_bits === undefined || evaluateExpression(layout.judging_bits, parameters) > 0;
+  return layout.judges_if_positive === undefined || evaluateExpression(layout.judges_if_positive, parameters) > 0;
 }
 
 /** Return whether a flag is active, or unused bits differ from the manual. */

@@ -32,7 +32,7 @@ def conditions(struct: Struct, scope: Scope) -> Iterator[tuple[str, Verdict]]:
     causes = dict(verdict_rules.worst_first)
     for verdict in Verdict:
         if verdict is Verdict.UNKNOWN and verdict_rules.may_be_unknown:
-            yield f"{scope.expression(verdict_rules.judging_bits)} == 0", verdict
+            yield f"{scope.expression(verdict_rules.judges_if_positive)} == 0", verdict
         for condition in _active(struct, causes.get(verdict, ()), scope):
             yield condition, verdict
 

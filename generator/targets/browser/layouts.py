@@ -259,7 +259,7 @@ def _layout_data(device: Device, layout_plan: LayoutPlan, description: Descripti
         "digits": description.digit_codings,
         "gray": description.gray,
         "otherwise": description.otherwise,
-        "judging_bits": description.judging_bits,
+        "judges_if_positive": description.judges_if_positive,
     }
     checks = zip(description.checks, layout_plan.checks, strict=True)
     crc = layout_plan.crc_of_all_order_codes

@@ -165,8 +165,8 @@ class FrameReports:
         causes_by_verdict = dict(self._causes_by_verdict)
         for verdict in Verdict:
             if verdict is Verdict.UNKNOWN and self.verdict_rules.may_be_unknown:
-                judging_bits = self.family_reports.translator.to_c(self.verdict_rules.judging_bits)
-                yield COperation("==", (judging_bits, CNumber(0))), verdict
+                judges_if_positive = self.family_reports.translator.to_c(self.verdict_rules.judges_if_positive)
+                yield COperation("==", (judges_if_positive, CNumber(0))), verdict
             else:
                 for condition in self._conditions_of_causes(causes_by_verdict.get(verdict, ())):
                     yield condition, verdict

@@ -79,7 +79,7 @@ class FrameReports:
         for verdict, causes in self._causes_by_verdict:
             verdict_steps += self._steps_of_verdict(verdict, causes, explained_parameters)
         if self._verdict_rules.may_be_unknown:
-            conditions = [self._has_no_judging_bits(self._verdict_rules.judging_bits)]
+            conditions = [self._never_judges(self._verdict_rules.judges_if_positive)]
             reason = "With this order code, all bits that judge the position are left out."
             verdict_steps.append(VerdictStep(Verdict.UNKNOWN.name, conditions, [reason]))
         worst_first = [verdict.name for verdict in Verdict]
@@ -129,14 +129,14 @@ class FrameReports:
         """The verdict if no condition applies. Empty if the frame has no position."""
         return self._verdict_rules.default_verdict.name if self._verdict_rules is not None else ""
 
-    def _has_no_judging_bits(self, judging_bits: Expression) -> str:
+    def _never_judges(self, judges_if_positive: Expression) -> str:
         """Return the condition that the encoder's frames have no bits that say whether the position is usable.
 
-        ``judging_bits`` is the number of such bits. An example is ``self.variant.has_flags == 0``.
+        ``judges_if_positive`` is 0 without such bits. An example is ``self.variant.has_flags == 0``.
         """
         attributes = self._attribute_by_parameter.items()
         code_of_parameter = {parameter: f"self.variant.{attribute}" for parameter, attribute in attributes}
-        return f"{ExpressionTranslator(code_of_parameter).to_python(judging_bits).operand} == 0"
+        return f"{ExpressionTranslator(code_of_parameter).to_python(judges_if_positive).operand} == 0"
 
     # -- reports
 

@@ -149,11 +149,11 @@ class ShapeLiteral:
         """
         verdict = self._literal_of(self._description.otherwise)
         # The number of these bits is only in the description if it depends on the order code.
-        if self._description.judging_bits is None:
+        if self._description.judges_if_positive is None:
             return verdict
-        judging_bits = self.layout_class.to_python(self._description.judging_bits)
+        judges_if_positive = self.layout_class.to_python(self._description.judges_if_positive)
         unknown = self._literal_of(Verdict.UNKNOWN)
-        return SourceText(f"{literal(verdict)} if {judging_bits} else {literal(unknown)}")
+        return SourceText(f"{literal(verdict)} if {judges_if_positive} else {literal(unknown)}")
 
     def _name_of_frame_with_special_range(self) -> str:
         """Return the name of the frame if its range of positions differs from that of other frames, or else "".
