@@ -19,7 +19,7 @@ from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_specs
 from codewheel.loading.library import Family, families_of
 from codewheel.loading.manufacturer_rules import check_shared_facts
-from codewheel.readings.compare import compare
+from codewheel.readings.compare_readings import compare
 from codewheel.readings.reading import ComparedFacts, SpecReading
 from codewheel.readings.second_readings import (
     Coverage,

@@ -1,4 +1,4 @@
-"""Problems in a spec: the place, the error and the correction. Also the error in a user's template.
+"""Problems in a spec: the place, the error and the correction, with the nearest word. Also errors in users' templates.
 
 A broken spec never raises an exception. Every step adds to a ``ProblemReport`` and continues with the remaining data,
 so that one run reports everything.

@@ -38,11 +38,12 @@ from ..reference.bits_and_values import join_value
 from ..say import first_of
 from .examples import build_examples, check_examples
 from .fields import LayoutContext, SpecPlace
-from .frame_kinds import check_errata, check_frame_kinds
+from .frame_checks import check_errata, check_frame_kinds
 from .frame_rules import check_control_bytes, check_requests, check_settings_of_crcs
 from .history import build_editions
 from .interfaces import build_interfaces, build_measurement, check_spi_registers
 from .layouts import build_layout
+from .measurement_checks import check_measurements
 from .order_code_facts import (
     check_facts_by_code,
     check_limits_in_procedures,
@@ -59,7 +60,6 @@ from .parameters import (
     parameter_sets,
 )
 from .position_encoding import check_position_widths
-from .position_rules import check_measurements
 from .repeated_facts import check_agreement, check_stated_bits, check_stated_lengths
 from .samples import sample_frames
 from .spec_parts import (

@@ -38,7 +38,7 @@ from .fields import (
     resolve_parity_bits,
     without_needless_byte_orders,
 )
-from .frame_kinds import with_unknown_verdicts
+from .frame_checks import with_unknown_verdicts
 from .layout_rules import check_layout
 from .spec_parts import Raw, build_part, sources
 

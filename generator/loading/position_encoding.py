@@ -1,4 +1,4 @@
-"""Check the codes and widths of positions: the excess of Gray code, and more bits than the counts need."""
+"""Check the codes of positions, such as the excess of Gray code, and positions with more bits than the counts need."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parts of a spec: which of them are valid, and the parts of the model that have the same keys.
+"""Parts of a spec: sources, tables, alarms and procedures of the model, ``only`` patterns, and which parts are valid.
 
 An example of a register with a misspelled field is wrong, but reporting it adds nothing. The example is checked once
 the register is fixed.

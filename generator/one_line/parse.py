@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..language.problems import join_words, quoted, suggest_word
-from ..loading.position_rules import is_probably_highest
+from ..loading.measurement_checks import is_probably_highest
 from ..model.expressions import is_power_of_two
 from ..model.keys_and_members import LARGEST
 from .fields import WIDEST, FieldError, number_in, read_field

@@ -1,4 +1,4 @@
-"""Parse the text of a label, say why a text is not an order code, and find the edition of the manual for a label."""
+"""Find the order code of a label, say why a text is not one, and find the edition of the manual for a label."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from ..loading.overlays import Family
 from ..model import Manufacturer, TimesRead
 from ..model.record import dataclass
 from . import bits_and_registers, interfaces, order_codes, stated, surroundings
-from .compare import compare
+from .compare_readings import compare
 from .disagreements import Comparison, Disagreement, DisagreementsWithOneCause, HowOftenRead, group_by_cause
 from .reading import NOTHING, ComparedFacts, FactClass, SpecReading
 

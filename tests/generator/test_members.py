@@ -25,7 +25,7 @@ from codewheel.model.members import PARTS, PARTS_BY_CLASS, ModelMember, ModelPar
 from codewheel.model.part import keys_of
 from codewheel.model.record import dataclass
 from codewheel.readings import stated
-from codewheel.readings.compare import compare
+from codewheel.readings.compare_readings import compare
 from codewheel.readings.reading import FactClass, SpecReading
 from codewheel.readings.second_readings import facts_of
 from codewheel.targets.python import facts

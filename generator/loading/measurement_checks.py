@@ -1,4 +1,4 @@
-"""Check that the field of the position has as many bits as its counts and turns need."""
+"""Check measurements against frames: scale, limits, counts, unit, width, range, order and unused bits of positions."""
 
 from __future__ import annotations
 
