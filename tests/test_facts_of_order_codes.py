@@ -52,7 +52,7 @@ READERS = {
         "loading/history.py",
         "loading/library.py",
         "loading/overlays.py",
-        "loading/frame_checks.py",
+        "loading/whole_frame_checks.py",
         "loading/spec_parts.py",
     },
     "reads the errata of a cable table, which the record has chosen": {

@@ -38,7 +38,6 @@ from ..reference.bits_and_values import join_value
 from ..say import first_of
 from .examples import build_examples, check_examples
 from .fields import LayoutContext, SpecPlace
-from .frame_checks import check_errata, check_frame_kinds
 from .frame_rules import check_control_bytes, check_requests, check_settings_of_crcs
 from .history import build_editions
 from .interfaces import build_interfaces, build_measurement, check_spi_registers
@@ -75,6 +74,7 @@ from .spec_parts import (
     records,
     sources,
 )
+from .whole_frame_checks import check_errata, check_frame_kinds
 
 
 def _first_answers(alternatives: Iterable[Alternative]) -> dict[str, int]:

@@ -38,9 +38,9 @@ from .fields import (
     resolve_parity_bits,
     without_needless_byte_orders,
 )
-from .frame_checks import with_unknown_verdicts
 from .layout_rules import check_layout
 from .spec_parts import Raw, build_part, sources
+from .whole_frame_checks import with_unknown_verdicts
 
 
 def build_layout(raw_layout: Raw, spec_place: SpecPlace, register_bits: int | None = None) -> Layout | None:

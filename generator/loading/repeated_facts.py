@@ -11,8 +11,8 @@ from ..language.problems import DocumentReport, join_words, quoted
 from ..language.rules.code_meanings import MEANING_DIFFERS
 from ..model import Biss, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
 from ..reference import codec
-from .frame_checks import check_selector_places
 from .spec_parts import Raw
+from .whole_frame_checks import check_selector_places
 
 #: A number of counts or revolutions in the meaning of a part of an order code: ``65,536 counts``, or ``4096 turns``.
 _COUNT_IN_MEANING = re.compile(
