@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import random
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from types import ModuleType
@@ -638,8 +638,6 @@ def test_bit_fields_are_those_of_the_model(lika: Any, devices: Mapping[str, Devi
                 extra_arguments += [next(iter(kind)) for kind in kinds]
                 bit_fields = [field for field in view.bit_fields(*extra_arguments) if field.width]
                 placed_fields = layout.place(variant.parameters).fields
-                assert bits_by_name(bit_fields) == bits_by_name(placed_fields)
-
-
-def bits_by_name(fields: Iterable[Any]) -> dict[str, tuple[int, int]]:
-    return {field.name: (field.low, field.width) for field in fields}
+                assert {field.name: (field.low, field.width) for field in bit_fields} == {
+                    field.name: (field.lowest_bit, field.width) for field in placed_fields
+                }
