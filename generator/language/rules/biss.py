@@ -24,30 +24,30 @@ from .parts import (
 )
 
 
-class _FixedPlace(NamedTuple):
-    """The address and the length in bytes of a register that BiSS fixes, and the place in words."""
+class _ProfileRegister(NamedTuple):
+    """A register of the BiSS profile: its fixed address, its length, and its address in words."""
 
     address: int
-    length: int
-    text: str
+    byte_count: int
+    address_text: str
 
 
-#: Registers with a fixed place in BiSS, by their usual name.
-_STANDARD_PLACES = {
-    "eds_bank": _FixedPlace(0x41, 1, "at 41h"),
-    "profile_id": _FixedPlace(0x42, 2, "at 42h and 43h"),
-    "serial_number": _FixedPlace(0x44, 4, "at 44h to 47h"),
-    "device_id": _FixedPlace(0x78, 6, "at 78h to 7Dh"),
-    "manufacturer_id": _FixedPlace(0x7E, 2, "at 7Eh and 7Fh"),
+#: Registers with a fixed address in BiSS, by their usual name.
+_PROFILE_REGISTER_BY_NAME = {
+    "eds_bank": _ProfileRegister(0x41, 1, "at 41h"),
+    "profile_id": _ProfileRegister(0x42, 2, "at 42h and 43h"),
+    "serial_number": _ProfileRegister(0x44, 4, "at 44h to 47h"),
+    "device_id": _ProfileRegister(0x78, 6, "at 78h to 7Dh"),
+    "manufacturer_id": _ProfileRegister(0x7E, 2, "at 7Eh and 7Fh"),
 }
-#: Place of the register that selects banks.
-_PLACE_OF_BANK_SELECT = _FixedPlace(0x40, 1, "at 40h")
+#: The register that selects banks.
+_BANK_SELECT_REGISTER = _ProfileRegister(0x40, 1, "at 40h")
 
 #: Names of nE and nW in specs.
-_ERROR_AND_WARNING = {"error", "warning"}
+_BISS_FLAG_NAMES = {"error", "warning"}
 #: Widths of the parts of a control frame, and the two access directions.
-_CONTROL_FRAME_WIDTHS = {"register_address": 7, "address": 7, "rw": 2, "data": 8}
-_ACCESS_BITS = {"write": 0b01, "read": 0b10}
+_BIT_COUNT_BY_CONTROL_FIELD = {"register_address": 7, "address": 7, "rw": 2, "data": 8}
+_CODE_BY_ACCESS = {"write": 0b01, "read": 0b10}
 #: Widths of the usual CRCs of BiSS, by the number that inverts them.
 _CRC_WIDTH_BY_XOROUT = {0x3F: 6, 0xFFFF: 16}
 
@@ -64,20 +64,20 @@ def check_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
         is_in_bank = register.bank is not None
         if is_in_bank and not selects_banks:
             continue
-        fixed_place = _PLACE_OF_BANK_SELECT if selects_banks else _STANDARD_PLACES.get(name)
-        if fixed_place is None:
+        profile_register = _BANK_SELECT_REGISTER if selects_banks else _PROFILE_REGISTER_BY_NAME.get(name)
+        if profile_register is None:
             continue
-        if register.address != fixed_place.address or is_in_bank:
+        if register.address != profile_register.address or is_in_bank:
             problem = f"{quoted(name)} is at {register.address:02X}h, but BiSS has"
             if selects_banks:
-                message = f"{problem} the register that selects banks {fixed_place.text}"
+                message = f"{problem} the register that selects banks {profile_register.address_text}"
             else:
                 remedy = "correct the address, or rename the register if it is a different one"
-                message = f"{problem} it {fixed_place.text}; {remedy}"
+                message = f"{problem} it {profile_register.address_text}; {remedy}"
             report.add("biss-protocol", register.path_of("address"), message)
-        elif register.length != fixed_place.length:
-            message = f"{quoted(name)} has {register.length} bytes; in BiSS it has {fixed_place.length}"
-            report.add("biss-protocol", register.path_of("length"), f"{message}, {fixed_place.text}")
+        elif register.length != profile_register.byte_count:
+            message = f"{quoted(name)} has {register.length} bytes; in BiSS it has {profile_register.byte_count}"
+            report.add("biss-protocol", register.path_of("length"), f"{message}, {profile_register.address_text}")
 
 
 def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -88,21 +88,23 @@ def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for register in spec.registers:
         name = register.name
-        has_fixed_name = name in _STANDARD_PLACES or name == bank_select_register(spec)
+        has_profile_name = name in _PROFILE_REGISTER_BY_NAME or name == bank_select_register(spec)
         is_outside_banks = interface_name_of(register) == Biss.name and register.bank is None
-        if has_fixed_name or not is_outside_banks:
+        if has_profile_name or not is_outside_banks:
             continue
-        fixed_name = _profile_register_at(register)
-        if fixed_name is None or is_explained_at(report.document, "registers", name, "address"):
+        profile_name = _profile_register_at(register)
+        if profile_name is None or is_explained_at(report.document, "registers", name, "address"):
             continue
         first_address = register.address
         last_address = register.address + register.length - 1
         is_one_byte = first_address == last_address
         address_text = f"at {first_address:02X}h" if is_one_byte else f"at {first_address:02X}h to {last_address:02X}h"
-        fixed_place = _STANDARD_PLACES[fixed_name]
-        problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {fixed_place.text}"
+        profile_register = _PROFILE_REGISTER_BY_NAME[profile_name]
+        problem = (
+            f"{quoted(name)} is {address_text}, but BiSS has {quoted(profile_name)} {profile_register.address_text}"
+        )
         remedy = (
-            f"correct the address, or rename the register to {quoted(fixed_name)} if that is the one you mean. If"
+            f"correct the address, or rename the register to {quoted(profile_name)} if that is the one you mean. If"
             f" this is what the manual says, add an erratum that affects registers.{name}.address"
         )
         report.add("biss-protocol", register.path_of("address"), f"{problem}; {remedy}")
@@ -114,13 +116,13 @@ def _profile_register_at(register: WrittenRegister) -> str | None:
     The result is None if there is no such register, or if ``register`` may be there: as a part of it, or at 41h.
     """
     addresses = set(range(register.address, register.address + register.length))
-    for fixed_name, fixed_place in _STANDARD_PLACES.items():
-        fixed_addresses = set(range(fixed_place.address, fixed_place.address + fixed_place.length))
-        may_be_part = register.access == "read_only" or register.name.startswith(fixed_name)
-        is_part = may_be_part and addresses <= fixed_addresses
-        is_free = fixed_name == "eds_bank"  # At 41h. Without banks, manuals use it for other purposes.
-        if addresses & fixed_addresses and not is_part and not is_free:
-            return fixed_name
+    for profile_name, profile_register in _PROFILE_REGISTER_BY_NAME.items():
+        profile_addresses = set(range(profile_register.address, profile_register.address + profile_register.byte_count))
+        may_be_part = register.access == "read_only" or register.name.startswith(profile_name)
+        is_part = may_be_part and addresses <= profile_addresses
+        is_free = profile_name == "eds_bank"  # At 41h. Without banks, manuals use it for other purposes.
+        if addresses & profile_addresses and not is_part and not is_free:
+            return profile_name
     return None
 
 
@@ -129,7 +131,7 @@ def check_biss_byte_order(spec: WrittenSpec, report: DocumentReport) -> None:
     for register in spec.registers:
         name = register.name
         is_outside_banks = interface_name_of(register) == Biss.name and register.bank is None
-        if name not in _STANDARD_PLACES or not is_outside_banks:
+        if name not in _PROFILE_REGISTER_BY_NAME or not is_outside_banks:
             continue
         is_low_byte_first = register.byte_order == "low_byte_first"
         if is_low_byte_first and not is_explained_at(report.document, "registers", name, "byte_order"):
@@ -146,19 +148,19 @@ def check_biss_frame(spec: WrittenSpec, report: DocumentReport) -> None:
     Both must be active low and follow the position, nE before nW, and the frame must end with an inverted CRC. An
     erratum explains what the manual prints differently.
     """
-    groups = by_name(spec.with_invalid_parts.field_groups)
-    crcs = by_part_name(spec.with_invalid_parts.crcs)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
+    crc_by_name = by_part_name(spec.with_invalid_parts.crcs)
     for frame in layouts_of_interfaces(spec):
         layout = frame.layout
         if layout is None or frame.interface != Biss.name or not frame.is_from_encoder:
             continue
-        sent_fields = list(with_groups_expanded(frame, groups))
-        if _ERROR_AND_WARNING.isdisjoint(field.name for _, field in sent_fields):
+        sent_fields = list(with_groups_expanded(frame, group_by_name))
+        if _BISS_FLAG_NAMES.isdisjoint(field.name for _, field in sent_fields):
             continue
         frame_path = f"interfaces.{Biss.name}.{layout.name}"
         names_of_position = position_names(spec, Biss.name)
         contradictions = [
-            *_contradictions_of_fields(sent_fields, crcs, frame_path),
+            *_contradictions_of_fields(sent_fields, crc_by_name, frame_path),
             *_contradictions_of_order(sent_fields, layout.path_of("name"), frame_path),
             *_contradictions_of_late_position(sent_fields, names_of_position, frame_path),
         ]
@@ -183,7 +185,7 @@ SentFields = list[tuple[Path, WrittenField]]
 
 
 def _contradictions_of_fields(
-    sent_fields: SentFields, crcs: Mapping[str, LocatedPart[Crc]], frame_path: str
+    sent_fields: SentFields, crc_by_name: Mapping[str, LocatedPart[Crc]], frame_path: str
 ) -> Iterator[_Contradiction]:
     """Yield the contradictions of single fields of a frame to BiSS.
 
@@ -192,7 +194,7 @@ def _contradictions_of_fields(
     """
     for path, field in sent_fields:
         name = field.name
-        if name in _ERROR_AND_WARNING and field.active == "high":
+        if name in _BISS_FLAG_NAMES and field.active == "high":
             problem = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
             yield _Contradiction(
                 path=(*path, "active"), path_for_erratum=f"{frame_path}.{name}.active", problem=problem
@@ -200,9 +202,9 @@ def _contradictions_of_fields(
         if field.crc_of:
             problem = f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; remove 'crc_of'"
             yield _Contradiction(path=(*path, "crc_of"), path_for_erratum=f"{frame_path}.{name}", problem=problem)
-        if field.crc not in crcs:
+        if field.crc not in crc_by_name:
             continue
-        for key, problem in _contradictions_of_crc(crcs[field.crc]):
+        for key, problem in _contradictions_of_crc(crc_by_name[field.crc]):
             path_for_erratum = f"crcs.{field.crc}.{key}"
             yield _Contradiction(path=(*path, "crc"), path_for_erratum=path_for_erratum, problem=problem)
 
@@ -233,17 +235,17 @@ def _contradictions_of_late_position(
 
     ``names_of_position`` are the names of the fields and joined numbers that form the position.
     """
-    first_flag = ""
+    first_flag_name = ""
     for path, field in sent_fields:
         name = field.name
-        if name in _ERROR_AND_WARNING:
-            first_flag = first_flag or name
-        elif first_flag and name in names_of_position:
-            problem = f"{quoted(name)} is after {quoted(first_flag)}, but BiSS sends the position before nE and nW"
+        if name in _BISS_FLAG_NAMES:
+            first_flag_name = first_flag_name or name
+        elif first_flag_name and name in names_of_position:
+            problem = f"{quoted(name)} is after {quoted(first_flag_name)}, but BiSS sends the position before nE and nW"
             yield _Contradiction(
                 path=path,
                 path_for_erratum=f"{frame_path}.{name}",
-                problem=f"{problem}; move it before {quoted(first_flag)}",
+                problem=f"{problem}; move it before {quoted(first_flag_name)}",
             )
             return
 
@@ -291,18 +293,18 @@ def check_biss_control(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Every master relies on them, so a spec has these numbers even if an erratum records others that the manual prints.
     """
-    crcs = by_part_name(spec.with_invalid_parts.crcs)
+    crc_by_name = by_part_name(spec.with_invalid_parts.crcs)
     interface = spec.interfaces.biss
     control_data = interface.control_data if interface is not None else None
     fields = control_data.fields if control_data is not None else ()
     for field in fields:
-        width = _CONTROL_FRAME_WIDTHS.get(field.name)
+        width = _BIT_COUNT_BY_CONTROL_FIELD.get(field.name)
         if width is not None and isinstance(field.bits, int) and field.bits != width:
             message = f"{quoted(field.name)} has {field.bits} bits; in the BiSS control frame it has {width}"
             report.add("biss-protocol", field.path_of("bits"), message)
         if field.name == "rw":
             _check_access_codes(field, report)
-        crc = crcs.get(field.crc)
+        crc = crc_by_name.get(field.crc)
         if crc is not None and not _is_control_crc(crc):
             problem = (
                 f"{quoted(field.crc)} is not the CRC of the BiSS control frame: 4 bits, poly 0x3, init 0, not"
@@ -323,7 +325,7 @@ def _is_control_crc(located_crc: LocatedPart[Crc]) -> bool:
 def _check_access_codes(field: WrittenField, report: DocumentReport) -> None:
     """Check that the field of a control frame for the kind of access has 01 for ``write`` and 10 for ``read``."""
     for name, value in field.values.items():
-        if name in _ACCESS_BITS and value.value != _ACCESS_BITS[name]:
+        if name in _CODE_BY_ACCESS and value.value != _CODE_BY_ACCESS[name]:
             problem = f"{quoted(name)} is {value.value:02b}; in the BiSS control frame, 01 means write and 10"
             report.add("biss-protocol", value.path_of("value"), f"{problem} means read")
 

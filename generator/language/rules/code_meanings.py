@@ -17,8 +17,8 @@ from .parts import by_name, interfaces, is_explained_at, layouts_of_interfaces, 
 from .references import NameResolver
 
 #: Names of interfaces in manuals, without RS-485, which is also the name of the signals.
-_INTERFACE_NAMES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
-_ANY_INTERFACE = re.compile(r"\bSSI\b|\bBiSS\b|\bRS-?485\b", re.IGNORECASE)
+_PATTERN_BY_INTERFACE = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
+_ANY_INTERFACE_NAME = re.compile(r"\bSSI\b|\bBiSS\b|\bRS-?485\b", re.IGNORECASE)
 
 #: A length such as ``20/1024 mm`` or ``50 µm``, and a voltage such as ``5 V ± 5 %`` or ``5 to 30 V DC``.
 _DECIMAL = r"[0-9]{1,3}(?:,[0-9]{3})+|[0-9]+(?:\.[0-9]+)?"
@@ -39,16 +39,16 @@ MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_dif
 def check_order_code_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the parameters, interfaces, parts and labels named by order code values exist."""
     resolver = NameResolver(spec, report)
-    parts_by_name = by_name(spec.with_invalid_parts.order_code.parts)
+    part_by_name = by_name(spec.with_invalid_parts.order_code.parts)
     for part in spec.order_code.parts:
         open_only_with = _AllowedLabels(part.open_only_with, part.path_of("open_only_with"))
-        _check_allowed_labels(open_only_with, part.name, parts_by_name, resolver)
+        _check_allowed_labels(open_only_with, part.name, part_by_name, resolver)
         for value in part.values.values():
             for parameter_name in value.sets:
                 resolver.check_name((*value.path, "sets", parameter_name), "parameter", parameter_name)
             resolver.check_optional_name(value.path_of("interface"), "interface", value.interface)
             only_with = _AllowedLabels(value.only_with, value.path_of("only_with"))
-            _check_allowed_labels(only_with, part.name, parts_by_name, resolver)
+            _check_allowed_labels(only_with, part.name, part_by_name, resolver)
 
 
 class _AllowedLabels(NamedTuple):
@@ -61,19 +61,19 @@ class _AllowedLabels(NamedTuple):
 def _check_allowed_labels(
     allowed_labels: _AllowedLabels,
     own_part: str,
-    parts_by_name: Mapping[str, WrittenCodePart],
+    part_by_name: Mapping[str, WrittenCodePart],
     resolver: NameResolver,
 ) -> None:
     """Check that the other parts with which a value of the order code can be combined exist, and have these labels.
 
     A part cannot be combined with itself, so the name of the value's own part is reported.
     """
-    other_parts = [name for name in parts_by_name if name != own_part]
+    other_parts = [name for name in part_by_name if name != own_part]
     for part_name, labels in allowed_labels.labels_by_part.items():
         labels_path = (*allowed_labels.path, part_name)
         resolver.check_name(labels_path, "other part", part_name, known_names=other_parts)
-        if part_name in parts_by_name:
-            known_labels = parts_by_name[part_name].names_in("values")
+        if part_name in part_by_name:
+            known_labels = part_by_name[part_name].names_in("values")
             resolver.check_each_name(labels_path, part_name, labels, known_names=known_labels)
 
 
@@ -92,7 +92,7 @@ def check_value_words(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def _check_named_code(label: str, code_value: WrittenCodeValue, spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value whose meaning names Gray or binary code sets the parameters that decide the code."""
-    for name, required_number in _parameters_of_named_code(spec, code_value).items():
+    for name, required_number in _required_numbers_of_parameters(spec, code_value).items():
         if code_value.sets[name] != required_number:
             code = "Gray" if required_number else "binary"
             problem = f"the meaning of {quoted(label)} says {code}, so {quoted(name)} must be {required_number}"
@@ -102,17 +102,17 @@ def _check_named_code(label: str, code_value: WrittenCodeValue, spec: WrittenSpe
 
 def _check_named_lengths(label: str, code_value: WrittenCodeValue, spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each length that a value sets is in its meaning, if this names any."""
-    lengths_in_meaning = _lengths_in_text(code_value.meaning)
-    if not lengths_in_meaning:
+    text_by_length = _lengths_in_text(code_value.meaning)
+    if not text_by_length:
         return
-    first_length_text, *_ = lengths_in_meaning.values()
+    first_length_text, *_ = text_by_length.values()
     parameters = spec.with_invalid_parts.parameters
     for name, number in code_value.sets.items():
         unit = parameters[name].unit if name in parameters else ""
         if unit not in _NANOMETRES_PER_UNIT:
             continue
         length_in_nanometres = number * _NANOMETRES_PER_UNIT[unit]
-        if length_in_nanometres not in lengths_in_meaning:
+        if length_in_nanometres not in text_by_length:
             problem = f"the meaning of {quoted(label)} says {first_length_text}, but {quoted(name)} is {number} {unit}"
             message = f"{problem}{MEANING_DIFFERS}"
             report.add("meaning-mismatch", (*code_value.path, "sets", name), message)
@@ -136,7 +136,7 @@ def _lengths_in_text(meaning: str) -> dict[Fraction, str]:
 
     A quotient such as ``20/1024 mm`` represents its result and also its dividend, 20 mm.
     """
-    length_texts = {}
+    text_by_length = {}
     # ("20", "1024", "mm") for 20/1024 mm, and ("", "50", "µm") for 50 µm.
     for dividend_text, number_text, unit in _LENGTH_IN_TEXT.findall(meaning):
         number = Fraction(number_text.replace(",", ""))
@@ -144,14 +144,14 @@ def _lengths_in_text(meaning: str) -> dict[Fraction, str]:
         if dividend_text:
             quotient_text = f"{dividend_text}/{number_text} {unit}"
             dividend = Fraction(dividend_text.replace(",", "")) * nanometres_per_unit
-            length_texts[dividend] = quotient_text
-            length_texts[dividend / number] = quotient_text
+            text_by_length[dividend] = quotient_text
+            text_by_length[dividend / number] = quotient_text
         else:
-            length_texts[number * nanometres_per_unit] = f"{number_text} {unit}"
-    return length_texts
+            text_by_length[number * nanometres_per_unit] = f"{number_text} {unit}"
+    return text_by_length
 
 
-def _parameters_of_named_code(spec: WrittenSpec, code_value: WrittenCodeValue) -> dict[str, int]:
+def _required_numbers_of_parameters(spec: WrittenSpec, code_value: WrittenCodeValue) -> dict[str, int]:
     """Return the parameters that a value sets and that decide the code, with the number for the code in its meaning.
 
     A parameter that decides the code of a layout is 1 for Gray code and 0 for binary code. The result is empty if the
@@ -197,11 +197,13 @@ def check_named_interface(spec: WrittenSpec, report: DocumentReport) -> None:
     for part in spec.order_code.parts:
         for label, value in part.values.items():
             # One spelling for each interface, so that a code in two spellings counts once.
-            interface_words = _ANY_INTERFACE.findall(value.meaning)
+            interface_words = _ANY_INTERFACE_NAME.findall(value.meaning)
             interface_names = {word.upper().replace("RS485", "RS-485") for word in interface_words}
             if len(interface_names) != 1 or value.interface is None:
                 continue
-            named_interfaces = [name for name, pattern in _INTERFACE_NAMES.items() if pattern.search(value.meaning)]
+            named_interfaces = [
+                name for name, pattern in _PATTERN_BY_INTERFACE.items() if pattern.search(value.meaning)
+            ]
             if named_interfaces and value.interface != named_interfaces[0]:
                 printed_name = interface_names.pop().replace("BISS", "BiSS")
                 problem = (
@@ -223,13 +225,13 @@ def check_labels(spec: WrittenSpec, report: DocumentReport) -> None:
             sets_all_parameters = all(name in value.sets for name in expression.parameters)
             if not label.isdecimal() or not sets_all_parameters:
                 continue
-            number = _evaluate_formula(expression, value.sets)
-            if number is not None and int(label) != number:
-                message = f"the label {quoted(label)} must be {expression.render()}, which is {number} here"
+            expected_number = _evaluate_formula(expression, value.sets)
+            if expected_number is not None and int(label) != expected_number:
+                message = f"the label {quoted(label)} must be {expression.render()}, which is {expected_number} here"
                 report.add("label-mismatch", value.path_of("sets"), message)
 
 
-_ALIGNMENTS = {"left": "msb_left", "right": "lsb_right"}
+_ALIGNMENT_BY_SIDE = {"left": "msb_left", "right": "lsb_right"}
 #: A bit and the side to which it is aligned, as in ``MSB left-aligned`` and ``LSB aligned to the right``.
 _ALIGNMENT_IN_TEXT = re.compile(r"\b[ML]SB (?:(?=\w+[ -]aligned)|aligned to the )(left|right)\b", re.IGNORECASE)
 
@@ -246,7 +248,7 @@ def check_alignment(spec: WrittenSpec, report: DocumentReport) -> None:
     named_alignments: set[str] = set()
     for text in titles_and_meanings:
         for side in _ALIGNMENT_IN_TEXT.findall(text):
-            named_alignments.add(_ALIGNMENTS[side.casefold()])
+            named_alignments.add(_ALIGNMENT_BY_SIDE[side.casefold()])
     if ssi is None or not ssi.alignment or len(named_alignments) != 1:
         return
     if is_explained_at(report.document, "interfaces", "ssi", "alignment"):
@@ -302,8 +304,9 @@ def _names_gray(code_value: WrittenCodeValue) -> bool:
     return says_gray and not says_binary
 
 
+#: A number of counts or turns, such as ``4096 counts per turn``, and a range, such as ``12 to 16 bits``.
 _COUNT_IN_TEXT = re.compile(r"(?<![\d.,])(\d[\d,]*) (counts per (?:turn|revolution)|revolutions|turns)\b")
-_BITS_RANGE = re.compile(r"(?<![\d.,])(\d+) to (\d+) bits\b")
+_RANGE_OF_BITS_IN_TEXT = re.compile(r"(?<![\d.,])(\d+) to (\d+) bits\b")
 
 
 def check_counts(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -312,17 +315,17 @@ def check_counts(spec: WrittenSpec, report: DocumentReport) -> None:
     They are computed with the formulas of the measurement, if the value sets all parameters in them. With several
     measurements, the formula of the last one applies.
     """
-    formulas = dict(_formulas_of_measurements(spec))
+    formula_by_unit = dict(_formulas_of_measurements(spec))
     formula_by_parameter = _formulas_of_parameters(spec)
     for part in spec.order_code.parts:
         for value in part.values.values():
             if value.meaning_differs:
                 continue
-            parameters = resolve_parameters(value.sets, formula_by_parameter)
+            number_by_parameter = resolve_parameters(value.sets, formula_by_parameter)
             for number_text, unit_text in _COUNT_IN_TEXT.findall(value.meaning):
-                formula_name = "counts" if unit_text.startswith("counts") else "turns"
-                formula = formulas.get(formula_name)
-                number = _evaluate_formula(formula, parameters) if formula is not None else None
+                unit = "counts" if unit_text.startswith("counts") else "turns"
+                formula = formula_by_unit.get(unit)
+                number = _evaluate_formula(formula, number_by_parameter) if formula is not None else None
                 if number is None:
                     continue
                 possible_spellings = (str(number), f"{number:,}")  # Manuals print 4096 or 4,096.
@@ -345,8 +348,8 @@ def _formulas_of_measurements(spec: WrittenSpec) -> Iterator[tuple[str, Expressi
 
 def _formulas_of_parameters(spec: WrittenSpec) -> dict[str, Expression]:
     """Return the formulas of the parameters that are calculated, by name."""
-    formulas = {name: _parse_formula(parameter.equals) for name, parameter in spec.parameters.items()}
-    return {name: formula for name, formula in formulas.items() if formula is not None}
+    formula_by_name = {name: _parse_formula(parameter.equals) for name, parameter in spec.parameters.items()}
+    return {name: formula for name, formula in formula_by_name.items() if formula is not None}
 
 
 def _parse_formula(formula_text: object) -> Expression | None:
@@ -359,13 +362,13 @@ def _parse_formula(formula_text: object) -> Expression | None:
         return None
 
 
-def _evaluate_formula(formula: Expression, parameters: Mapping[str, int]) -> int | None:
+def _evaluate_formula(formula: Expression, number_by_parameter: Mapping[str, int]) -> int | None:
     """Return the number of a formula, or None if a parameter is missing or the number is out of range."""
-    has_all_parameters = parameters.keys() >= set(formula.parameters)
+    has_all_parameters = number_by_parameter.keys() >= set(formula.parameters)
     if not has_all_parameters:
         return None
     try:
-        return formula.value(parameters)
+        return formula.value(number_by_parameter)
     except ExpressionError:  # The exponent is out of range. Another rule reports it.
         return None
 
@@ -376,20 +379,20 @@ def check_widths(spec: WrittenSpec, report: DocumentReport) -> None:
     Order codes set the parameter, or the parameters from which it is calculated. The range is calculated with all of
     these at their lowest, and with all at their highest.
     """
-    ranges = _ranges_set_by_codes(spec)
+    range_by_parameter = _ranges_set_by_codes(spec)
     formula_by_parameter = _formulas_of_parameters(spec)
-    lowest_numbers = {name: lowest for name, (lowest, _) in ranges.items()}
-    highest_numbers = {name: highest for name, (_, highest) in ranges.items()}
-    lowest_parameters = resolve_parameters(lowest_numbers, formula_by_parameter)
-    highest_parameters = resolve_parameters(highest_numbers, formula_by_parameter)
+    lowest_set_numbers = {name: lowest for name, (lowest, _) in range_by_parameter.items()}
+    highest_set_numbers = {name: highest for name, (_, highest) in range_by_parameter.items()}
+    lowest_by_parameter = resolve_parameters(lowest_set_numbers, formula_by_parameter)
+    highest_by_parameter = resolve_parameters(highest_set_numbers, formula_by_parameter)
     for name, parameter in spec.parameters.items():
-        if parameter.unit != "bits" or name not in lowest_parameters or name not in highest_parameters:
+        if parameter.unit != "bits" or name not in lowest_by_parameter or name not in highest_by_parameter:
             continue
-        stated_ranges = _BITS_RANGE.findall(parameter.meaning)
+        stated_ranges = _RANGE_OF_BITS_IN_TEXT.findall(parameter.meaning)
         if len(stated_ranges) != 1:
             continue
         stated_lowest, stated_highest = map(int, stated_ranges[0])
-        lowest, highest = lowest_parameters[name], highest_parameters[name]
+        lowest, highest = lowest_by_parameter[name], highest_by_parameter[name]
         if (stated_lowest, stated_highest) != (lowest, highest):
             message = (
                 f"the meaning says {stated_lowest} to {stated_highest} bits, but the order codes set {lowest} to"

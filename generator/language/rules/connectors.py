@@ -37,17 +37,17 @@ class _Contact:
     """A contact with a signal."""
 
     path: Path
-    name: str
+    contact_name: str
     signal: str
-    only: str
+    order_codes: str
 
     @property
-    def main_names(self) -> set[str]:
+    def main_signal_names(self) -> set[str]:
         """Names of the signal, without names in parentheses."""
         return set(_names_in_signal(_IN_PARENTHESES.sub("", self.signal)))
 
     @property
-    def names(self) -> list[str]:
+    def all_signal_names(self) -> list[str]:
         """All names of the signal: ``A``, ``REQ+`` and ``SD+`` of ``A (REQ+ / SD+)``."""
         names = list(_names_in_signal(_IN_PARENTHESES.sub("", self.signal)))
         for text_in_parentheses in _IN_PARENTHESES.findall(self.signal):
@@ -63,18 +63,18 @@ class _Contact:
 class _Connector:
     """A connector or cable with its contacts that have a signal."""
 
-    located: LocatedPart[Connector]
+    located_part: LocatedPart[Connector]
     contacts: tuple[_Contact, ...]
 
     @property
     def part(self) -> Connector:
-        return self.located.part
+        return self.located_part.part
 
     @property
     def quoted_name(self) -> str:
         return quoted(self.part.name)
 
-    def names_in_note(self, signal: str) -> bool:
+    def note_mentions(self, signal: str) -> bool:
         """Return True if the note names a signal, which explains that it is missing."""
         note = _normalise_signal(self.part.note)
         signal_expression = re.escape(_normalise_signal(signal))
@@ -104,7 +104,7 @@ def check_repeated_signals(spec: WrittenSpec, report: DocumentReport) -> None:
             contacts_with_signal = [earlier for earlier in earlier_contacts if _share_signal(contact, earlier)]
             earlier_contacts.append(contact)
             if contacts_with_signal:
-                earlier_name = quoted(contacts_with_signal[0].name)
+                earlier_name = quoted(contacts_with_signal[0].contact_name)
                 message = (
                     f"contact {earlier_name} has this signal too; correct one of the two, or"
                     " give each its order codes with 'only'"
@@ -115,12 +115,12 @@ def check_repeated_signals(spec: WrittenSpec, report: DocumentReport) -> None:
 def _share_signal(contact: _Contact, earlier_contact: _Contact) -> bool:
     """Return True if two contacts have a signal in common, as a whole or by one of its names outside parentheses.
 
-    The result is False if each contact is restricted to different order codes (``only``).
+    The result is False if each contact is restricted to different order codes (``order_codes``).
     """
-    if contact.only and earlier_contact.only and contact.only != earlier_contact.only:
+    if contact.order_codes and earlier_contact.order_codes and contact.order_codes != earlier_contact.order_codes:
         return False
-    names = set(map(_normalise_signal, (*contact.main_names, contact.signal)))
-    earlier_names = set(map(_normalise_signal, (*earlier_contact.main_names, earlier_contact.signal)))
+    names = set(map(_normalise_signal, (*contact.main_signal_names, contact.signal)))
+    earlier_names = set(map(_normalise_signal, (*earlier_contact.main_signal_names, earlier_contact.signal)))
     return not names.isdisjoint(earlier_names)
 
 
@@ -134,16 +134,16 @@ def check_incomplete_pair(spec: WrittenSpec, report: DocumentReport) -> None:
     for connector in _collect_connectors(spec):
         known_names: set[str] = set()
         for contact in connector.contacts:
-            known_names.update(name.casefold() for name in contact.names)
+            known_names.update(name.casefold() for name in contact.all_signal_names)
         has_inverted = any(name.startswith("/") for name in known_names)
         for contact in connector.contacts:
-            for name in contact.names:
-                partner = partner_of(name, has_inverted)
-                is_missing = bool(partner) and partner.casefold() not in known_names
-                if is_missing and not connector.names_in_note(partner):
+            for name in contact.all_signal_names:
+                partner_name = partner_of(name, has_inverted)
+                is_missing = bool(partner_name) and partner_name.casefold() not in known_names
+                if is_missing and not connector.note_mentions(partner_name):
                     message = (
-                        f"{quoted(name)} is here, but {quoted(partner)} is not on {connector.quoted_name}; add it, or"
-                        f" say in the 'note' of {connector.quoted_name} why {partner} is missing"
+                        f"{quoted(name)} is here, but {quoted(partner_name)} is not on {connector.quoted_name};"
+                        f" add it, or say in the 'note' of {connector.quoted_name} why {partner_name} is missing"
                     )
                     report.add("incomplete-pair", (*contact.path, "signal"), message)
 
@@ -176,7 +176,7 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
     missing_signals: list[str] = []
     for contact in complete.contacts:
         is_missing = known_names.isdisjoint(_normalised_names(contact))
-        if is_missing and not incomplete.names_in_note(contact.signal):
+        if is_missing and not incomplete.note_mentions(contact.signal):
             missing_signals.append(contact.signal)
     if missing_signals:
         missing_text = join_words(map(quoted, dict.fromkeys(missing_signals)))
@@ -184,25 +184,25 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
         message = (
             f"{problem}; correct one of the two, or name the missing signal in the 'note' of {incomplete.quoted_name}"
         )
-        report.add("missing-signal", (*incomplete.located.path, "contacts"), message, at_key=True)
+        report.add("missing-signal", (*incomplete.located_part.path, "contacts"), message, at_key=True)
 
 
 def _collect_connectors(spec: WrittenSpec) -> list[_Connector]:
     """Return the connectors and cables, without the contacts that have no signal."""
     connectors = []
-    for located in spec.connectors:
+    for located_connector in spec.connectors:
         contacts: list[_Contact] = []
-        for index, contact in enumerate(located.part.contacts):
+        for index, contact in enumerate(located_connector.part.contacts):
             if not _UNCONNECTED_SIGNAL.fullmatch(contact.signal.strip()):
-                path = (*located.path, "contacts", index)
-                contacts.append(_Contact(path=path, name=contact.contact, signal=contact.signal, only=contact.only))
-        connectors.append(_Connector(located, tuple(contacts)))
+                path = (*located_connector.path, "contacts", index)
+                contacts.append(_Contact(path, contact.contact, contact.signal, order_codes=contact.only))
+        connectors.append(_Connector(located_connector, tuple(contacts)))
     return connectors
 
 
 def _normalised_names(contact: _Contact) -> set[str]:
     """Return the signal of a contact, and each of its names, in the form in which signals are compared."""
-    return set(map(_normalise_signal, (contact.signal, *contact.names)))
+    return set(map(_normalise_signal, (contact.signal, *contact.all_signal_names)))
 
 
 def _normalise_signal(signal: str) -> str:
@@ -246,8 +246,8 @@ def signal_names(signal: str) -> list[str]:
     if _UNCONNECTED_SIGNAL.fullmatch(signal.strip()):
         return []
     # Only the names are needed, so the contact has no place, name or order codes.
-    contact = _Contact(path=(), name="", signal=signal, only="")
-    return [name.casefold() for name in contact.names]
+    contact = _Contact(path=(), contact_name="", signal=signal, order_codes="")
+    return [name.casefold() for name in contact.all_signal_names]
 
 
 def check_connector_references(spec: WrittenSpec, report: DocumentReport) -> None:

@@ -33,8 +33,8 @@ from .walk import is_derived, leaves, leaves_of, sources
 #: or two implementations.
 _CORROBORATED_GRADES = ("corroborated", "corroborated, no hardware frame seen")
 #: Grades that need data from real hardware, and the advice if there are no such data.
-_GRADES_WITH_FRAME = ("quoted", "corroborated")
-_OR_CORROBORATED = "or write 'corroborated, no hardware frame seen'"
+_GRADES_WITH_HARDWARE_DATA = ("quoted", "corroborated")
+_ADVICE_WITHOUT_HARDWARE_DATA = "or write 'corroborated, no hardware frame seen'"
 _ALL_PAGES = "all pages"
 #: A source: the key of the cited document, and the place in it.
 _SOURCE_PATTERN = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
@@ -51,8 +51,8 @@ def check_evidence(spec: WrittenSpec, report: DocumentReport) -> None:
         if is_repeated:
             problem = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
             report.add("evidence-grade", ("evidence", "implementations", index), problem)
-    examples = by_name(spec.with_invalid_parts.examples)
-    _check_supporting_examples(evidence, examples, report)
+    example_by_name = by_name(spec.with_invalid_parts.examples)
+    _check_supporting_examples(evidence, example_by_name, report)
     if not spec.evidence.is_valid("grade"):
         return
     for problem in _yield_missing_support(evidence):
@@ -62,7 +62,7 @@ def check_evidence(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_supporting_examples(
-    evidence: Evidence, examples: Mapping[str, WrittenExample], report: DocumentReport
+    evidence: Evidence, example_by_name: Mapping[str, WrittenExample], report: DocumentReport
 ) -> None:
     """Check ``vectors``, the names of the examples that support the evidence, such as frames from real hardware.
 
@@ -70,16 +70,16 @@ def _check_supporting_examples(
     This is not checked if one of the examples does not exist.
     """
     for index, name in enumerate(evidence.vectors):
-        if name in examples and not _has_different_bits(examples[name]):
+        if name in example_by_name and not _has_different_bits(example_by_name[name]):
             problem = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
             report.add("evidence-grade", ("evidence", "vectors", index), problem)
-    known_vectors = [examples[name] for name in evidence.vectors if name in examples]
+    known_vectors = [example_by_name[name] for name in evidence.vectors if name in example_by_name]
     all_exist = bool(known_vectors) and len(known_vectors) == len(evidence.vectors)
     has_data_from_encoder = any(map(_is_data_from_encoder, known_vectors))
-    if evidence.grade in _GRADES_WITH_FRAME and all_exist and not has_data_from_encoder:
+    if evidence.grade in _GRADES_WITH_HARDWARE_DATA and all_exist and not has_data_from_encoder:
         message = (
             f"the grade {quoted(evidence.grade)} needs data from an encoder: add a frame 'from: encoder' without"
-            f" 'refused', or a register reading, {_OR_CORROBORATED} without 'vectors'"
+            f" 'refused', or a register reading, {_ADVICE_WITHOUT_HARDWARE_DATA} without 'vectors'"
         )
         report.add("evidence-grade", ("evidence", "vectors", 0), message)
 
@@ -104,10 +104,10 @@ def _yield_missing_support(evidence: Evidence) -> Iterator[str]:
     needed_implementations = 1 if documents_read else 2
     if grade in _CORROBORATED_GRADES and len(implementations) < needed_implementations:
         yield "needs two sources that share no code: list them under 'implementations'"
-    if grade in _GRADES_WITH_FRAME and not evidence.vectors:
-        yield f"needs an example from real hardware: list it under 'vectors', {_OR_CORROBORATED}"
-    _, grade_without_frame = _CORROBORATED_GRADES
-    if grade == grade_without_frame and evidence.vectors:
+    if grade in _GRADES_WITH_HARDWARE_DATA and not evidence.vectors:
+        yield f"needs an example from real hardware: list it under 'vectors', {_ADVICE_WITHOUT_HARDWARE_DATA}"
+    _, grade_without_hardware_data = _CORROBORATED_GRADES
+    if grade == grade_without_hardware_data and evidence.vectors:
         yield "has no vectors: remove them, or write 'corroborated'"
 
 
@@ -201,15 +201,15 @@ _DOCUMENT_KEY = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?")
 class _LimitKeys:
     """Keys of limits, and what to write instead if no document of the manufacturer gives these limits."""
 
-    keys: tuple[str, ...]
-    alternative: str
+    limit_keys: tuple[str, ...]
+    alternative_text: str
 
 
 @dataclass(frozen=True, slots=True)
 class _LimitedPart:
     """A part of a spec that can have limits, with its source, which can be the source of its interface."""
 
-    part: PlacedPart
+    placed_part: PlacedPart
     source: str
     limits: _LimitKeys
 
@@ -232,7 +232,7 @@ def check_limit_sources(spec: WrittenSpec, report: DocumentReport) -> None:
         return
     listed_documents = f" ({join_words(manufacturer_documents, 'and')})" if manufacturer_documents else ""
     for limited_part in _yield_limited_parts(spec):
-        given_keys = [key for key in limited_part.limits.keys if key in limited_part.part.data]
+        given_keys = [key for key in limited_part.limits.limit_keys if key in limited_part.placed_part.data]
         cited_documents = _cited_documents(limited_part.source)
         cites_manufacturer = not cited_documents.isdisjoint(manufacturer_documents)
         if given_keys and not cites_manufacturer:
@@ -241,9 +241,9 @@ def check_limit_sources(spec: WrittenSpec, report: DocumentReport) -> None:
             message = (
                 f"{quoted(first_key)} is a limit, so its source must be in 'documents' of"
                 f" 'evidence'{listed_documents}; if {cited_text} is by the"
-                f" manufacturer, add it there; otherwise, {limited_part.limits.alternative}"
+                f" manufacturer, add it there; otherwise, {limited_part.limits.alternative_text}"
             )
-            report.add("limit-source", (*limited_part.part.path, first_key), message, at_key=True)
+            report.add("limit-source", (*limited_part.placed_part.path, first_key), message, at_key=True)
 
 
 def _cited_documents(source: str) -> set[str]:
@@ -293,27 +293,27 @@ def check_open_quotation(spec: WrittenSpec, report: DocumentReport) -> None:
 def check_example_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that everything that examples name exists, such as procedures, layouts, fields and errata."""
     resolver = NameResolver(spec, report)
-    known_layouts = {frame.name: frame for frame in layouts_of_interfaces(spec.with_invalid_parts) if frame.name}
+    layout_by_name = {frame.name: frame for frame in layouts_of_interfaces(spec.with_invalid_parts) if frame.name}
     for example in spec.examples:
         resolver.check_optional_name(example.path_of("procedure"), "procedure", example.procedure)
         resolver.check_optional_name(example.path_of("erratum"), "erratum", example.erratum)
         resolver.check_optional_name(example.path_of("register"), "register", example.register)
         resolver.check_optional_name(example.path_of("crc"), "CRC", example.crc)
-        resolver.check_optional_name(example.path_of("layout"), "layout", example.layout, known_names=known_layouts)
+        resolver.check_optional_name(example.path_of("layout"), "layout", example.layout, known_names=layout_by_name)
         procedure = resolver.procedures.get(example.procedure)
         if procedure is not None:
             noun = f"argument of {quoted(example.procedure)} called"
             known_arguments = by_name(procedure.arguments)
             for name in example.arguments:
                 resolver.check_name((*example.path, "arguments", name), noun, name, known_names=known_arguments)
-        _check_example_values(example, known_layouts, resolver)
+        _check_example_values(example, layout_by_name, resolver)
 
 
 def _check_example_values(
-    example: WrittenExample, known_layouts: Mapping[str, FieldList], resolver: NameResolver
+    example: WrittenExample, layout_by_name: Mapping[str, FieldList], resolver: NameResolver
 ) -> None:
     """Check that the layout or register of an example has the fields whose values the example gives."""
-    field_list = known_layouts.get(example.layout)
+    field_list = layout_by_name.get(example.layout)
     if field_list is None and example.register in resolver.registers:
         register = resolver.registers[example.register]
         field_list = FieldList(FieldOwner.REGISTER, register, interface="")
@@ -333,9 +333,9 @@ def check_bytes_in_errata(spec: WrittenSpec, report: DocumentReport) -> None:
     Only as many bytes as the example has are compared. If the erratum quotes several frames of this length, one of them
     must be the example.
     """
-    errata = by_name(spec.errata)
+    erratum_by_name = by_name(spec.errata)
     for example in spec.examples:
-        erratum = errata.get(example.erratum)
+        erratum = erratum_by_name.get(example.erratum)
         example_bytes = example.bytes.upper().split()
         if erratum is None or not example_bytes:
             continue
@@ -368,10 +368,10 @@ def check_listed_pages(spec: WrittenSpec, report: DocumentReport) -> None:
     for key, pages_read in spec.evidence.part.documents.items():
         path = ("evidence", "documents", key)
         document_key = "" if key == "manual" else key  # Sources cite the manual without a key.
-        last_page = _LAST_PAGE_OF_DOCUMENT.search(pages_read)
+        last_page_match = _LAST_PAGE_OF_DOCUMENT.search(pages_read)
         for page in _pages_in_text(pages_read):
-            if last_page is not None and page > int(last_page[1]):
-                report.add("cited-place", path, f"page {page} is after the last page, {last_page[1]}")
+            if last_page_match is not None and page > int(last_page_match[1]):
+                report.add("cited-place", path, f"page {page} is after the last page, {last_page_match[1]}")
         _check_pages_cited(spec, document_key, list_path=path, listed_text=pages_read, report=report)
     for key, document in spec.documents.items():
         path = ("documents", key, "pages")
@@ -392,9 +392,9 @@ def _check_pages_cited(
     listed_pages = _pages_in_text(listed_text)
     cited_pages: set[int] = set()
     for path, source in sources(leaves_of(spec.data, report)):
-        pages = set().union(*map(_pages_in_text, places_in_document(source, document_key)))
-        cited_pages |= pages
-        unlisted_pages = pages - listed_pages
+        pages_of_source = set().union(*map(_pages_in_text, places_in_document(source, document_key)))
+        cited_pages |= pages_of_source
+        unlisted_pages = pages_of_source - listed_pages
         if listed_pages and unlisted_pages:
             line, _ = report.document.position(list_path)
             message = f"page {min(unlisted_pages)} is not among the pages in line {line}; correct one of the two"
@@ -445,5 +445,5 @@ def check_evidence_references(spec: WrittenSpec, report: DocumentReport) -> None
         resolver.check_name((*path, "documents", key), "document", key, known_names=known_documents)
     implementations_path = (*path, "implementations")
     resolver.check_each_name(implementations_path, "document", evidence.implementations, known_names=documents)
-    examples = by_name(spec.with_invalid_parts.examples)
-    resolver.check_each_name((*path, "vectors"), "example", evidence.vectors, known_names=examples)
+    example_by_name = by_name(spec.with_invalid_parts.examples)
+    resolver.check_each_name((*path, "vectors"), "example", evidence.vectors, known_names=example_by_name)

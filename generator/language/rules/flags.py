@@ -41,10 +41,10 @@ def check_lone_levels(spec: WrittenSpec, report: DocumentReport) -> None:
         return
     for field_list in field_lists(spec):
         flags = [field for field in field_list.fields if field.active and not field.sums_up]
-        levels = Counter(flag.active for flag in flags)
-        if len(levels) != 2:
+        flag_count_by_level = Counter(flag.active for flag in flags)
+        if len(flag_count_by_level) != 2:
             continue  # All flags have the same level, or there are none.
-        (usual_level, usual_count), (_, rarer_count) = levels.most_common()
+        (usual_level, usual_count), (_, rarer_count) = flag_count_by_level.most_common()
         if rarer_count > 1 or usual_count < _LEAST_FLAGS_OF_A_LEVEL:
             continue
         for flag in flags:
@@ -71,7 +71,7 @@ def check_repeated_flags(spec: WrittenSpec, report: DocumentReport) -> None:
     Flags in layouts are compared within an interface, and flags in groups with other groups. Verdicts are compared only
     if both flags have one.
     """
-    first_flags: dict[tuple[str, str], WrittenField] = {}
+    first_flag_by_interface_and_name: dict[tuple[str, str], WrittenField] = {}
     for field_list in field_lists(spec):
         if field_list.interface == Biss.name:
             continue  # Another rule checks the flags of BiSS.
@@ -80,7 +80,7 @@ def check_repeated_flags(spec: WrittenSpec, report: DocumentReport) -> None:
         flags = [field for field in field_list.fields if field.active]
         for flag in flags:
             # Groups have an empty interface name.
-            first_flag = first_flags.setdefault((field_list.interface, flag.name), flag)
+            first_flag = first_flag_by_interface_and_name.setdefault((field_list.interface, flag.name), flag)
             for key in _differing_keys(flag, first_flag):
                 line, _ = report.document.position(first_flag.path)
                 value, first_value = flag.data[key], first_flag.data[key]
@@ -142,16 +142,16 @@ def check_combined_flags(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     groups = by_name(spec.field_groups)
     for field_list in field_lists(spec):
-        first_combining_flags: dict[str, str] = {}  # For each combined flag, the first flag that combines it.
+        first_combiner_by_flag: dict[str, str] = {}  # For each combined flag, the first flag that combines it.
         for flag in field_list.fields:
             for index, combined_name in enumerate(flag.sums_up):
-                first_name = first_combining_flags.setdefault(combined_name, flag.name)
-                if flag.name != first_name:
-                    message = f"{quoted(first_name)} also combines {quoted(combined_name)}"
+                first_combiner = first_combiner_by_flag.setdefault(combined_name, flag.name)
+                if flag.name != first_combiner:
+                    message = f"{quoted(first_combiner)} also combines {quoted(combined_name)}"
                     path = (*flag.path_of("sums_up"), index)
                     report.add("summed-twice", path, f"{message}; remove it from one of the two")
         for group in groups.values():
-            _report_flag_not_combined(group, first_combining_flags.keys(), field_list, report)
+            _report_flag_not_combined(group, first_combiner_by_flag.keys(), field_list, report)
 
 
 def _report_flag_not_combined(
@@ -176,7 +176,7 @@ def _report_flag_not_combined(
 
 
 #: Verdicts on the position in ascending order of severity.
-_MILDEST_FIRST = ("usable", "usable_with_warning", "not_usable")
+_VERDICTS_MILDEST_FIRST = ("usable", "usable_with_warning", "not_usable")
 
 
 def check_combined_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -184,18 +184,18 @@ def check_combined_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A flag is checked only if it and all flags in its ``sums_up`` have a verdict.
     """
-    single_flags: dict[str, WrittenField] = {}
+    single_flag_by_name: dict[str, WrittenField] = {}
     for field_list in field_lists(spec):
-        single_flags |= {field.name: field for field in field_list.fields if field.active and not field.sums_up}
+        single_flag_by_name |= {field.name: field for field in field_list.fields if field.active and not field.sums_up}
     for field_list in field_lists(spec):
         for flag in field_list.fields:
-            combined_flags = [single_flags[name] for name in flag.sums_up if name in single_flags]
+            combined_flags = [single_flag_by_name[name] for name in flag.sums_up if name in single_flag_by_name]
             verdicts = [combined_flag.makes_position for combined_flag in combined_flags]
-            all_have_verdict = {flag.makes_position, *verdicts} <= set(_MILDEST_FIRST)
+            all_have_verdict = {flag.makes_position, *verdicts} <= set(_VERDICTS_MILDEST_FIRST)
             if not verdicts or not all_have_verdict:
                 continue
-            most_severe = max(verdicts, key=_MILDEST_FIRST.index)
-            is_milder = _MILDEST_FIRST.index(flag.makes_position) < _MILDEST_FIRST.index(most_severe)
+            most_severe = max(verdicts, key=_VERDICTS_MILDEST_FIRST.index)
+            is_milder = _VERDICTS_MILDEST_FIRST.index(flag.makes_position) < _VERDICTS_MILDEST_FIRST.index(most_severe)
             if is_milder:
                 message = (
                     f"{quoted(flag.name)} makes the position {flag.makes_position}, but the most severe of the flags"
@@ -207,14 +207,14 @@ def check_combined_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
 def check_explained_flags(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no diagnostic bit is listed in ``explained_by`` of two flags of a register, whose details it gives."""
     for register in spec.registers:
-        explained_flags: dict[str, str] = {}  # For each diagnostic bit, the first flag that it explains.
+        flag_name_by_bit: dict[str, str] = {}  # For each diagnostic bit, the first flag that it explains.
         for flag in register.fields:
             for index, diagnostic_bit in enumerate(flag.explained_by):
-                if diagnostic_bit in explained_flags:
-                    problem = f"{quoted(diagnostic_bit)} already explains {quoted(explained_flags[diagnostic_bit])}"
+                if diagnostic_bit in flag_name_by_bit:
+                    problem = f"{quoted(diagnostic_bit)} already explains {quoted(flag_name_by_bit[diagnostic_bit])}"
                     path = (*flag.path_of("explained_by"), index)
                     report.add("explains-twice", path, f"{problem}; remove it from one of the two")
-                explained_flags.setdefault(diagnostic_bit, flag.name)
+                flag_name_by_bit.setdefault(diagnostic_bit, flag.name)
 
 
 _VOLTAGE_LIMIT = re.compile(r"\b(above|over|exceeds|below|under) (\d+(?:\.\d+)?) ?(m?)V\b")
@@ -225,7 +225,7 @@ _CLEARS_ITSELF = re.compile(
     r"\b(?:clears (?:by )?itself|cleared automatically|returns to 0 by itself|not latched|is not stored)\b",
     re.IGNORECASE,
 )
-_LATCHED_WORDS = re.compile(
+_STAYS_ACTIVE = re.compile(
     r"\b(?:is latched|remains active until it is reset|stays active until it is reset)\b", re.IGNORECASE
 )
 
@@ -237,8 +237,9 @@ def check_threshold_words(spec: WrittenSpec, report: DocumentReport) -> None:
         if threshold_mv is None:
             continue
         for path, text in texts_of(alarm, KEYS_OF_EXPLANATIONS):
-            for word, number, prefix in _VOLTAGE_LIMIT.findall(text):  # ("above", "3.6", "") or ("below", "100", "m").
-                voltage_mv = float(number) * (1 if prefix == "m" else 1000)
+            # ("above", "3.6", "") or ("below", "100", "m").
+            for word, number_text, unit_prefix in _VOLTAGE_LIMIT.findall(text):
+                voltage_mv = float(number_text) * (1 if unit_prefix == "m" else 1000)
                 if word in _WORDS_FOR_ABOVE and voltage_mv == threshold_mv:
                     problem = f"the text says {quoted(word)}, but the alarm has 'below_mv: {threshold_mv}'"
                     message = f"{problem}; correct one of the two"
@@ -251,7 +252,7 @@ def check_latch_words(spec: WrittenSpec, report: DocumentReport) -> None:
         is_latching = alarm.part.latch
         if is_latching is None:
             continue
-        contradicting_words = _CLEARS_ITSELF if is_latching else _LATCHED_WORDS
+        contradicting_words = _CLEARS_ITSELF if is_latching else _STAYS_ACTIVE
         for path, text in texts_of(alarm, KEYS_OF_EXPLANATIONS):
             match = contradicting_words.search(text)
             if match is not None:
@@ -262,19 +263,19 @@ def check_latch_words(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def check_level_words(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that texts of a flag such as "active at 0" give the level at which the flag is active."""
-    levels = {"low": "0", "high": "1"}
+    bit_by_level = {"low": "0", "high": "1"}
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            active_level = levels.get(field.active)  # None for a field that is not a flag.
-            if active_level is None:
+            active_bit = bit_by_level.get(field.active)  # None for a field that is not a flag.
+            if active_bit is None:
                 continue
             for path, text in texts_of(field, KEYS_OF_EXPLANATIONS):
-                stated_levels = _ACTIVE_LEVEL_SENTENCE.findall(text)
-                wrong_levels = [level for level in stated_levels if level != active_level]
-                if wrong_levels:
+                stated_bits = _ACTIVE_LEVEL_SENTENCE.findall(text)
+                wrong_bits = [bit for bit in stated_bits if bit != active_bit]
+                if wrong_bits:
                     message = (
-                        f"the text says that it is active at {wrong_levels[0]}, but 'active: {field.active}' means"
-                        f" {active_level}; correct one of the two"
+                        f"the text says that it is active at {wrong_bits[0]}, but 'active: {field.active}' means"
+                        f" {active_bit}; correct one of the two"
                     )
                     report.add("words-contradict", path, message)
 
@@ -282,7 +283,7 @@ def check_level_words(spec: WrittenSpec, report: DocumentReport) -> None:
 #: Words in the name of a flag that signals an error. BiSS calls it nE.
 _ERROR_WORDS = re.compile(r"(?<![A-Za-z])(?:nE|n?Err|(?i:errors?|faults?|failures?))(?![A-Za-z])")
 #: Words before such a word that say the opposite.
-_NO_ERROR = re.compile(r"(?i:\b(?:no|not|without|free)\b)")
+_DENIAL_OF_ERROR = re.compile(r"(?i:\b(?:no|not|without|free)\b)")
 
 
 def check_missing_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -290,10 +291,10 @@ def check_missing_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
 
     That is, whether the position is usable. The verdicts of flags that the interface itself defines are known.
     """
-    groups = by_name(spec.with_invalid_parts.field_groups)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
     for frame in layouts_of_interfaces(spec):
         names_of_position = position_names(spec, frame.interface)
-        has_position = not names_of_position.isdisjoint(fields_by_name(frame, groups))
+        has_position = not names_of_position.isdisjoint(fields_by_name(frame, group_by_name))
         if not frame.is_from_encoder or not has_position:
             continue
         flags_with_known_verdict = INTERFACES[frame.interface].flags
@@ -343,7 +344,7 @@ def names_error(name: str, printed_name: str) -> bool:
     The result is False for a name that denies the error, such as "No error".
     """
     texts = (name.replace("_", " "), printed_name)
-    return any(_ERROR_WORDS.search(text) and not _NO_ERROR.search(text) for text in texts)
+    return any(_ERROR_WORDS.search(text) and not _DENIAL_OF_ERROR.search(text) for text in texts)
 
 
 def check_flag_sums(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -368,10 +369,10 @@ def _fields_with_groups(field_list: FieldList, spec: WrittenSpec) -> Iterator[Wr
 
     The path of each field from a group is the path inside the group.
     """
-    groups = {group.name: group for group in spec.field_groups}
+    group_by_name = {group.name: group for group in spec.field_groups}
     for field in field_list.fields:
-        if field.use in groups:
-            yield from groups[field.use].fields
+        if field.use in group_by_name:
+            yield from group_by_name[field.use].fields
         else:
             yield field
 

@@ -29,7 +29,7 @@ from .parts import (
 )
 
 #: Interfaces over which a master sends only a clock, or control data, which are not a layout.
-_WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
+_INTERFACES_WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
 #: Purposes of requests that carry an address.
 _PURPOSES_WITH_ADDRESS = frozenset(("read", "write"))
 
@@ -38,7 +38,7 @@ def check_layouts_without_requests(spec: WrittenSpec, report: DocumentReport) ->
     """Check that every layout over BiSS and SSI is sent by the encoder, because the master sends no frames there."""
     for frame in layouts_of_interfaces(spec):
         layout = frame.layout
-        if layout is not None and frame.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
+        if layout is not None and frame.interface in _INTERFACES_WITHOUT_REQUESTS and layout.from_ == "master":
             message = f"a master sends no frame over {frame.interface}; write 'from: encoder'"
             report.add("sender", layout.path_of("from"), message)
 
@@ -167,13 +167,13 @@ def check_purposes(spec: WrittenSpec, report: DocumentReport) -> None:
     rs485 = spec.interfaces.rs485
     if rs485 is None:
         return
-    groups = by_name(spec.with_invalid_parts.field_groups)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
     for data_id in rs485.data_ids:
         request = _find_request(data_id, rs485)
         accesses_memory = data_id.part.purpose in _PURPOSES_WITH_ADDRESS
         if request is None or not accesses_memory:
             continue
-        has_data = any(_carries_data(field) for field in _fields_with_groups(request, groups))
+        has_data = any(_carries_data(field) for field in _fields_with_groups(request, group_by_name))
         if not has_data:
             message = (
                 f"{quoted(data_id.part.name)} has the purpose {quoted(data_id.part.purpose)}, but its request"
@@ -304,8 +304,8 @@ def layouts_with_position(spec: WrittenSpec, interface_name: str) -> list[FieldL
 def _find_position(field_list: FieldList, spec: WrittenSpec) -> str:
     """Return the name of the joined number or field for the position in a layout, or ``POSITION`` if there is none."""
     names_of_position = position_names(spec, field_list.interface)
-    groups = by_name(spec.with_invalid_parts.field_groups)
-    for name in (*field_list.joins, *fields_by_name(field_list, groups)):
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
+    for name in (*field_list.joins, *fields_by_name(field_list, group_by_name)):
         if name in names_of_position:
             return name
     return _UNKNOWN_POSITION
@@ -319,8 +319,8 @@ def _numbers_set_by_codes(spec: WrittenSpec, interface_name: str, parameter: str
     numbers: set[int] = set()
     for part in spec.order_code.parts:
         for value in part.values.values():
-            applies = not value.interface or value.interface == interface_name
-            if applies and parameter in value.sets:
+            applies_to_interface = not value.interface or value.interface == interface_name
+            if applies_to_interface and parameter in value.sets:
                 numbers.add(value.sets[parameter])
     return numbers
 
@@ -339,31 +339,30 @@ def check_measurement_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     movement = spec.movement
     if not movement:
         return
-    # ``unit_key`` gives the size of a count. After ``total_key``, the position wraps around.
+    # ``count_size_key`` gives the size of a count. After ``wrap_key``, the position wraps around.
     if movement == "rotary":
-        unit_key, total_key, foreign_keys = "counts_per_turn", "turns", _KEYS_OF_LENGTH
+        count_size_key, wrap_key, inapplicable_keys = "counts_per_turn", "turns", _KEYS_OF_LENGTH
     else:
-        unit_key, total_key, foreign_keys = "step_um", "modulus", _KEYS_OF_ANGLE
-    measurements_with_invalid_keys = {
-        measurement.path: measurement for measurement in measurements(spec.with_invalid_parts)
-    }
+        count_size_key, wrap_key, inapplicable_keys = "step_um", "modulus", _KEYS_OF_ANGLE
+    measurement_by_path = {measurement.path: measurement for measurement in measurements(spec.with_invalid_parts)}
     for measurement in measurements(spec):
-        measurement_with_invalid_keys = measurements_with_invalid_keys[measurement.path]
+        measurement_with_invalid_keys = measurement_by_path[measurement.path]
         # A key rejected by the schema was removed. It must not be reported as missing, too.
         is_complete = measurement.data.keys() == measurement_with_invalid_keys.data.keys()
-        has_unit = measurement.has(unit_key) or measurement.part.step_nm is not None
-        if is_complete and not has_unit:
-            unit_text = "'step_um', or 'step_nm' with 'per_counts'," if movement == "linear" else quoted(unit_key)
-            message = f"{unit_text} is missing; the measurement of a {movement} encoder needs it"
+        has_count_size = measurement.has(count_size_key) or measurement.part.step_nm is not None
+        if is_complete and not has_count_size:
+            step_text = "'step_um', or 'step_nm' with 'per_counts',"
+            key_text = step_text if movement == "linear" else quoted(count_size_key)
+            message = f"{key_text} is missing; the measurement of a {movement} encoder needs it"
             report.add("measurement-shape", measurement.path, message, at_key=True)
-        for key in foreign_keys:
+        for key in inapplicable_keys:
             if measurement.has(key):
                 message = f"{quoted(key)} does not apply to a {movement} encoder"
                 report.add("measurement-shape", (*measurement.path, key), message, at_key=True)
         if movement == "linear":
             _check_length_of_count(measurement, report)
-        if measurement.has("highest") and not measurement_with_invalid_keys.has(total_key):
-            problem = f"'highest' has no effect without {quoted(total_key)}; add it, or remove 'highest'"
+        if measurement.has("highest") and not measurement_with_invalid_keys.has(wrap_key):
+            problem = f"'highest' has no effect without {quoted(wrap_key)}; add it, or remove 'highest'"
             report.add("measurement-shape", (*measurement.path, "highest"), problem, at_key=True)
 
 
@@ -372,9 +371,9 @@ def check_position_range_shape(spec: WrittenSpec, report: DocumentReport) -> Non
 
     The position is the field or joined number that the measurement of the interface or of the device names.
     """
-    groups = by_name(spec.with_invalid_parts.field_groups)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
     measurement_by_interface = {name: interface.measurement for name, interface in interfaces(spec.with_invalid_parts)}
-    frames_with_invalid_keys = {frame.owner.path: frame for frame in layouts_of_interfaces(spec.with_invalid_parts)}
+    frame_by_path = {frame.owner.path: frame for frame in layouts_of_interfaces(spec.with_invalid_parts)}
     for frame in layouts_of_interfaces(spec):
         position_range = frame.layout.position_range if frame.layout is not None else None
         if position_range is None or not position_range.is_given:
@@ -383,13 +382,13 @@ def check_position_range_shape(spec: WrittenSpec, report: DocumentReport) -> Non
         has_own_measurement = own_measurement is not None and own_measurement.is_given
         measurement = own_measurement if has_own_measurement else spec.with_invalid_parts.measurement
         # The path in the file differs if invalid layouts before this one were removed.
-        frame_with_invalid_keys = frames_with_invalid_keys[report.document.path_in_file(frame.owner.path)]
+        frame_with_invalid_keys = frame_by_path[report.document.path_in_file(frame.owner.path)]
         if measurement is None or not measurement.is_given:
             problem = "'position_range' needs a 'measurement', which gives the unit of the position"
             message = f"{problem}; add it to the interface or the encoder"
             report.add("measurement-shape", position_range.path, message, at_key=True)
         elif not frame_with_invalid_keys.is_from_encoder or measurement.part.of not in readable_names(
-            frame_with_invalid_keys, groups
+            frame_with_invalid_keys, group_by_name
         ):
             position_name = quoted(measurement.part.of)
             problem = (
@@ -410,11 +409,11 @@ def _check_range_keys(
     ``highest`` needs a number of turns or a modulus, in the range or in the measurement.
     """
     path = position_range.path
-    total_key = "turns" if movement == "rotary" else "modulus"
-    foreign_key = "modulus" if movement == "rotary" else "turns"
-    if position_range.has(foreign_key) and movement in ("rotary", "linear"):
-        problem = f"{quoted(foreign_key)} does not apply to a {movement} encoder; write {quoted(total_key)}"
-        report.add("measurement-shape", (*path, foreign_key), problem, at_key=True)
+    wrap_key = "turns" if movement == "rotary" else "modulus"
+    inapplicable_key = "modulus" if movement == "rotary" else "turns"
+    if position_range.has(inapplicable_key) and movement in ("rotary", "linear"):
+        problem = f"{quoted(inapplicable_key)} does not apply to a {movement} encoder; write {quoted(wrap_key)}"
+        report.add("measurement-shape", (*path, inapplicable_key), problem, at_key=True)
     if not position_range.part.wraps:
         contradicting_keys = [key for key in ("turns", "modulus", "highest") if position_range.has(key)]
         if contradicting_keys:
@@ -422,11 +421,11 @@ def _check_range_keys(
             problem = f"{quoted(key)} contradicts 'wraps: false'; remove one of the two"
             report.add("measurement-shape", (*path, key), problem, at_key=True)
         return
-    has_total = position_range.has(total_key) or position_range.has("modulus")
-    if measurement is not None and not has_total:
-        has_total = measurement.has(total_key) or measurement.has("modulus")
-    if position_range.has("highest") and not has_total:
-        problem = f"'highest' has no effect without {quoted(total_key)}; add it, or remove 'highest'"
+    has_wrap_key = position_range.has(wrap_key) or position_range.has("modulus")
+    if measurement is not None and not has_wrap_key:
+        has_wrap_key = measurement.has(wrap_key) or measurement.has("modulus")
+    if position_range.has("highest") and not has_wrap_key:
+        problem = f"'highest' has no effect without {quoted(wrap_key)}; add it, or remove 'highest'"
         report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
 
 

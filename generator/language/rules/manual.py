@@ -18,7 +18,7 @@ from .parts import is_explained_at
 from .walk import is_placeholder, leaves_of, mapping, sources, texts_in_our_words
 
 #: One citation, with or without the key of a document: ``6.4 p.35`` or ``errata: 2``.
-_CITATION = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
+_CITATION_WITH_KEY = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 #: The number of a section or table, such as ``6.4``, ``A.2`` or ``7-1``.
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
 #: A heading, possibly with a number, such as ``Table 41``. It does not begin with the word for a page.
@@ -62,7 +62,7 @@ def _check_form_of_citation(citation: str, path: Path, known_sources: _KnownSour
     """
     # TODO marks a place that is still to be checked.
     citation_line = citation.replace("\n", " ").removeprefix("TODO ")
-    match = _CITATION.fullmatch(citation_line)
+    match = _CITATION_WITH_KEY.fullmatch(citation_line)
     key, place = (match["key"], match["place"].strip()) if match is not None else (None, citation)
     possible_keys = [*known_sources.editions, *known_sources.documents]
     if key is not None and key == known_sources.language_of_manual:
@@ -87,7 +87,7 @@ def _check_form_of_citation(citation: str, path: Path, known_sources: _KnownSour
 
 
 #: A section by number or heading, perhaps with a page: ``4.2 p.17`` or ``Cover``.
-_CITATION_PATTERN = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
+_CITED_SECTION_AND_PAGE = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
 _SECTION_NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)*")
 #: Page on which a section begins, and page on which it ends, if the table of contents does not say.
 _FIRST_POSSIBLE_PAGE, _LAST_POSSIBLE_PAGE = 1, 10_000
@@ -95,7 +95,7 @@ _FIRST_POSSIBLE_PAGE, _LAST_POSSIBLE_PAGE = 1, 10_000
 _WHOLE_SECTION = ""
 #: A spec follows the custom of citing first pages if at least this many of its citations do, and at least this share of
 #: the citations for which the first page is known.
-_LEAST_CITATIONS, _LEAST_SHARE = 50, 0.98
+_LEAST_CITATIONS, _LEAST_SHARE_OF_CITATIONS = 50, 0.98
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,8 +104,8 @@ class _LaterPage:
 
     path: Path
     section: str
-    page: int
-    first_page: int
+    cited_page: int
+    earlier_first_page: int
 
 
 #: First and last page of each section, and of the entries in it, by the name of the section and the title of the entry.
@@ -145,9 +145,9 @@ def check_cited_place(spec: WrittenSpec, report: DocumentReport) -> None:
             elif first_pages and cited_pages.isdisjoint(first_pages):
                 earlier_pages = [first_page for first_page in first_pages if first_page < page]
                 first_page_before = max(earlier_pages, default=page)
-                later_pages.append(_LaterPage(path, section, page=page, first_page=first_page_before))
+                later_pages.append(_LaterPage(path, section, page, first_page_before))
     compared_count = first_page_count + len(later_pages)
-    cites_first_pages = first_page_count >= max(_LEAST_CITATIONS, _LEAST_SHARE * compared_count)
+    cites_first_pages = first_page_count >= max(_LEAST_CITATIONS, _LEAST_SHARE_OF_CITATIONS * compared_count)
     if cites_first_pages:
         _report_later_pages(later_pages, report)
 
@@ -155,8 +155,8 @@ def check_cited_place(spec: WrittenSpec, report: DocumentReport) -> None:
 def _report_later_pages(later_pages: list[_LaterPage], report: DocumentReport) -> None:
     """Report each citation of a page on which nothing begins, with the page to cite instead."""
     for citation in later_pages:
-        problem = f"nothing in section {citation.section} begins on page {citation.page}"
-        remedy = f"cite p.{citation.first_page}, or p.{citation.first_page} and p.{citation.page}"
+        problem = f"nothing in section {citation.section} begins on page {citation.cited_page}"
+        remedy = f"cite p.{citation.earlier_first_page}, or p.{citation.earlier_first_page} and p.{citation.cited_page}"
         report.add("cited-place", citation.path, f"{problem}, and other sources cite first pages; {remedy}")
 
 
@@ -168,7 +168,7 @@ def _find_citations(source: str, document: str = "") -> list[re.Match[str]]:
     """
     citations: list[re.Match[str]] = []
     for cited_place in places_in_document(source, document):
-        match = _CITATION_PATTERN.fullmatch(cited_place)
+        match = _CITED_SECTION_AND_PAGE.fullmatch(cited_place)
         if match is not None and not is_placeholder(cited_place):
             citations.append(match)
     return citations
@@ -190,7 +190,7 @@ def places_in_document(source: str, document: str) -> list[str]:
 
 
 def _first_pages(
-    pages_of_section: Mapping[str, tuple[int, int]], own_names: list[str], *, is_first_page_known: bool
+    page_range_by_title: Mapping[str, tuple[int, int]], own_names: list[str], *, is_first_page_known: bool
 ) -> set[int]:
     """Return the pages that a source in a section can cite as the page on which its register or field begins.
 
@@ -199,12 +199,12 @@ def _first_pages(
     table of contents does not say where the section begins.
     """
     for name in own_names:
-        if name in pages_of_section:
-            first_page, _ = pages_of_section[name]
+        if name in page_range_by_title:
+            first_page, _ = page_range_by_title[name]
             return {first_page}
     if not is_first_page_known:
         return set()
-    return {first_page for first_page, _ in pages_of_section.values()}
+    return {first_page for first_page, _ in page_range_by_title.values()}
 
 
 def _find_page_ranges(contents: Mapping[str, WrittenSection]) -> dict[str, dict[str, tuple[int, int]]]:
@@ -244,10 +244,10 @@ def _page_ranges_of_entries(section: WrittenSection, last_page: int) -> dict[str
     """
     first_pages = list(section.entries.values())
     next_pages = [*first_pages[1:], last_page]
-    page_ranges: dict[str, tuple[int, int]] = {}
+    page_range_by_title: dict[str, tuple[int, int]] = {}
     for title, first_page, next_page in zip(section.entries, first_pages, next_pages, strict=False):
-        page_ranges[title.casefold()] = (first_page, max(first_page, next_page))
-    return page_ranges
+        page_range_by_title[title.casefold()] = (first_page, max(first_page, next_page))
+    return page_range_by_title
 
 
 def _first_printed_page(sections: Iterable[WrittenSection], default: int) -> int:
@@ -268,12 +268,12 @@ def _printed_names(spec_data: object, path: Path) -> tuple[list[str], list[str]]
     """
     enclosing_names: list[str] = []
     own_names: list[str] = []
-    for length in range(1, len(path)):
-        path_of_part = path[:length]
-        node = value_at(spec_data, path_of_part)
-        if isinstance(node, dict):
+    for step_count in range(1, len(path)):
+        path_of_part = path[:step_count]
+        part_data = value_at(spec_data, path_of_part)
+        if isinstance(part_data, dict):
             # The name in the language of the manual, and the names in other languages.
-            printed_names = (node.get("printed_name"), *mapping(node, "names").values())
+            printed_names = (part_data.get("printed_name"), *mapping(part_data, "names").values())
             own_names = [name.casefold() for name in printed_names if isinstance(name, str)]
             enclosing_names = own_names + enclosing_names
     return own_names, enclosing_names
@@ -287,13 +287,13 @@ def _check_cited_page(
     If one of ``names``, the printed names around the source at ``path``, is the title of an entry in the section, the
     page must be in the range of this entry.
     """
-    problem = _problem_of_citation(section, page_text, page_ranges, names)
+    problem = _citation_problem(section, page_text, page_ranges, names)
     if problem:
         report.add("cited-place", path, problem)
     return not problem and section in page_ranges and page_text is not None
 
 
-def _problem_of_citation(section: str, page_text: str | None, page_ranges: _PageRanges, names: list[str]) -> str:
+def _citation_problem(section: str, page_text: str | None, page_ranges: _PageRanges, names: list[str]) -> str:
     """Return a message if the contents do not have the cited section, or not on this page, or otherwise ""."""
     if section not in page_ranges:
         if not _SECTION_NUMBER.fullmatch(section):
@@ -308,8 +308,8 @@ def _problem_of_citation(section: str, page_text: str | None, page_ranges: _Page
     if first_page <= int(page_text) <= last_page:
         return ""
     cited_part = f"the entry {quoted(innermost_title)} of section {section}" if titles else f"section {section}"
-    pages = _pages_in_words(first_page, last_page)
-    return f"{cited_part} is {pages} according to the table of contents, not on page {page_text}"
+    pages_text = _pages_in_words(first_page, last_page)
+    return f"{cited_part} is {pages_text} according to the table of contents, not on page {page_text}"
 
 
 def _pages_in_words(first_page: int, last_page: int) -> str:
@@ -327,11 +327,11 @@ def check_editions_in_other_languages(spec: WrittenSpec, report: DocumentReport)
     manual = spec.with_invalid_parts.manual
     if not manual.contents:
         return
-    sections = {name: {_WHOLE_SECTION: (_FIRST_POSSIBLE_PAGE, _LAST_POSSIBLE_PAGE)} for name in manual.contents}
+    page_ranges = {name: {_WHOLE_SECTION: (_FIRST_POSSIBLE_PAGE, _LAST_POSSIBLE_PAGE)} for name in manual.contents}
     for edition in manual.editions:
         for path, source in sources(leaves_of(spec.data, report)):
             for citation in _find_citations(source, edition.part.language):
-                problem = _problem_of_citation(citation.group("section"), citation.group("page"), sections, names=[])
+                problem = _citation_problem(citation.group("section"), citation.group("page"), page_ranges, names=[])
                 if problem:
                     report.add("cited-place", path, problem)
 
@@ -343,7 +343,7 @@ def problems_of_other_manual(source: str, document: str, contents: Mapping[str, 
         return
     page_ranges = _find_page_ranges(contents)
     for citation in citations:
-        problem = _problem_of_citation(citation.group("section"), citation.group("page"), page_ranges, names=[])
+        problem = _citation_problem(citation.group("section"), citation.group("page"), page_ranges, names=[])
         if problem:
             yield problem
 

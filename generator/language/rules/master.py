@@ -33,11 +33,11 @@ from ..written import WrittenPart
 _ITEM_NAMES = (*WORDS, *NUMBERS)
 #: Keys for the value of a setting, which has exactly one of them.
 _VALUE_KEYS_OF_SETTINGS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
-_KEYS_OF_WRITING = ("needs", "after", "then", "takes_effect")
+_KINDS_OF_WRITE_CONDITION = ("needs", "after", "then", "takes_effect")
 _KEYS_OF_PLACES = ("index", "symbol", "register", "address", "where")
 #: Keys of a place whose values can be lists, with one entry for each channel.
-_PER_CHANNEL = ("index", "subindex", "symbol", "register", "address")
-_FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
+_KEYS_WITH_VALUE_PER_CHANNEL = ("index", "subindex", "symbol", "register", "address")
+_CONDITION_KEYS_FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
 #: A bit number, or the highest and the lowest bit of a range, such as 7:6.
 _BIT_RANGE = re.compile(r"[0-9]{1,3}(:[0-9]{1,3})?")
 #: An item that is replaced by its value, such as ``{bits}``.
@@ -72,7 +72,7 @@ def check_master(master_data: dict[str, object], report: DocumentReport) -> None
     for note in master.notes:
         _check_items_in_braces(note.text, known_names=_ITEM_NAMES, path=note.path_of("text"), report=report)
     for index, setting in enumerate(master.settings):
-        _check_setting(setting, _with_invalid_keys(index, report), report)
+        _check_setting(setting, _read_setting_with_invalid_keys(index, report), report)
     _check_writing(master, report)
     _check_files(master, report)
 
@@ -87,13 +87,13 @@ def _check_files(master: WrittenMaster, report: DocumentReport) -> None:
         _check_file(file, master, report)
 
 
-def _with_invalid_keys(index: int, report: DocumentReport) -> WrittenSetting:
+def _read_setting_with_invalid_keys(valid_index: int, report: DocumentReport) -> WrittenSetting:
     """Return a setting of the file with all its keys, including keys that were removed because they are invalid.
 
-    ``index`` is its index in the list of valid settings.
+    ``valid_index`` is its index in the list of valid settings.
     """
-    indices_in_file = report.document.kept_indices.get(("settings",))
-    index_in_file = index if indices_in_file is None else indices_in_file[index]
+    file_indices = report.document.kept_indices.get(("settings",))
+    index_in_file = valid_index if file_indices is None else file_indices[valid_index]
     all_settings = report.document.data["settings"]
     return WrittenSetting(all_settings[index_in_file])
 
@@ -154,8 +154,8 @@ def _check_condition(condition: WrittenCondition, report: DocumentReport) -> Non
         return
     is_word = item_name in WORDS
     noun = "word" if is_word else "number"
-    allowed_keys = ("is",) if is_word else _FOR_NUMBERS
-    used_keys = [key for key in ("is", *_FOR_NUMBERS) if condition.has(key)]
+    allowed_keys = ("is",) if is_word else _CONDITION_KEYS_FOR_NUMBERS
+    used_keys = [key for key in ("is", *_CONDITION_KEYS_FOR_NUMBERS) if condition.has(key)]
     allowed_text = join_words(map(quoted, allowed_keys), "or")
     for key in used_keys:
         if key not in allowed_keys:
@@ -196,14 +196,14 @@ def _check_word_of_item(word: int | str, item_name: str, path: Path, report: Doc
     return False
 
 
-def _check_setting(setting: WrittenSetting, with_invalid_keys: WrittenSetting, report: DocumentReport) -> None:
+def _check_setting(setting: WrittenSetting, setting_with_invalid_keys: WrittenSetting, report: DocumentReport) -> None:
     """Check that a setting of a master has exactly one kind of value, and that the value is possible.
 
-    ``with_invalid_keys`` is the same setting with its invalid keys, so that an invalid value does not count as missing.
+    ``setting_with_invalid_keys`` is the same setting with its invalid keys: an invalid value does not count as missing.
     """
     _check_items_in_braces(setting.name, known_names=_ITEM_NAMES, path=setting.path_of("name"), report=report)
     _check_items_in_braces(setting.at, known_names=_ITEM_NAMES, path=setting.path_of("at"), report=report)
-    value_keys = [key for key in _VALUE_KEYS_OF_SETTINGS if with_invalid_keys.has(key)]
+    value_keys = [key for key in _VALUE_KEYS_OF_SETTINGS if setting_with_invalid_keys.has(key)]
     if len(value_keys) > 1:
         message = f"{quoted(setting.name)} has {join_words(map(quoted, value_keys))}; keep one of them"
         report.add("setting-shape", setting.path, message)
@@ -281,19 +281,19 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
 
 def _check_channels(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that the devices of a place exist, and that a list in it has one element for each of their channels."""
-    channel_counts: dict[str, int] = {}  # By the name of the device.
+    channel_count_by_device: dict[str, int] = {}  # By the name of the device.
     for device in master.devices:
-        channel_counts[device.name] = 1 if device.channels is None else len(device.channels)
-    if not channel_counts:  # A master without devices counts as a device.
-        channel_counts = {master.title: 1}
-    _check_devices(place.on or (), place.path_of("on"), known_devices=list(channel_counts), report=report)
-    devices_of_place = [name for name in channel_counts if place.on is None or name in place.on]
-    for key in _PER_CHANNEL:
+        channel_count_by_device[device.name] = 1 if device.channels is None else len(device.channels)
+    if not channel_count_by_device:  # A master without devices counts as a device.
+        channel_count_by_device = {master.title: 1}
+    _check_devices(place.on or (), place.path_of("on"), known_devices=list(channel_count_by_device), report=report)
+    devices_of_place = [name for name in channel_count_by_device if place.on is None or name in place.on]
+    for key in _KEYS_WITH_VALUE_PER_CHANNEL:
         values_by_channel = place.data.get(key)
         if not isinstance(values_by_channel, list):
             continue
         for device_name in devices_of_place:
-            channel_count = channel_counts[device_name]
+            channel_count = channel_count_by_device[device_name]
             if len(values_by_channel) != channel_count:
                 count_text = count_with_unit(channel_count, "channel")
                 message = f"'{key}' needs one entry for each channel of {device_name}, which has {count_text}"
@@ -312,8 +312,8 @@ def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: Document
     """Check that a file names existing devices and settings, and that it has ``names`` if its format needs them."""
     known_devices = [device.name for device in master.devices] or [master.title]  # A master without devices is one.
     _check_devices(file.on, file.path_of("on"), known_devices=known_devices, report=report)
-    for key, keyed_by_setting in (("names", file.names), ("words", file.words)):
-        for setting_name in keyed_by_setting:
+    for key, value_by_setting in (("names", file.names), ("words", file.words)):
+        for setting_name in value_by_setting:
             _check_setting_name(setting_name, (*file.path, key, setting_name), master, report, at_key=True)
     needs_names = FILE_FORMATS[file.format].kind_of_place == "name"
     has_names = file.has("names")
@@ -341,27 +341,27 @@ def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
 
     The settings in ``after`` of a condition are written before the settings in ``of``.
     """
-    earlier_settings: dict[str, set[str]] = {}  # For each setting, the settings that are written before it.
+    earlier_settings_by_setting: dict[str, set[str]] = {}  # For each setting, the settings that are written before it.
     for condition in master.writing:
         _check_write_condition(condition, master, report)
         for later_setting in condition.of:
-            earlier_settings.setdefault(later_setting, set()).update(condition.after)
+            earlier_settings_by_setting.setdefault(later_setting, set()).update(condition.after)
         try:
             # The order is not needed. The call raises an exception if there is a cycle.
-            TopologicalSorter(earlier_settings).prepare()
+            TopologicalSorter(earlier_settings_by_setting).prepare()
         except CycleError as error:
             # In the exception, each setting of the cycle is a predecessor of the next one.
             _, settings_of_cycle = error.args
             cycle_text = " after ".join(quoted(name) for name in reversed(settings_of_cycle))
             report.add("value-clash", condition.path_of("after"), f"circular order: {cycle_text}")
-            earlier_settings.clear()  # Otherwise the next conditions would report this cycle again.
+            earlier_settings_by_setting.clear()  # Otherwise the next conditions would report this cycle again.
 
 
 def _check_write_condition(condition: WrittenWriting, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a write condition has one kind and names existing settings, and that ``after`` has its ``of``."""
-    used_keys = [key for key in _KEYS_OF_WRITING if condition.has(key)]
+    used_keys = [key for key in _KINDS_OF_WRITE_CONDITION if condition.has(key)]
     if not used_keys:
-        possible_keys = join_words(map(quoted, _KEYS_OF_WRITING), "or")
+        possible_keys = join_words(map(quoted, _KINDS_OF_WRITE_CONDITION), "or")
         report.add("writing-shape", condition.path, f"a write condition is empty; add {possible_keys}")
     elif len(used_keys) > 1:
         message = f"a write condition has {join_words(map(quoted, used_keys))}; keep one of them"

@@ -16,7 +16,7 @@ from .parts import by_name, constant_width, field_lists, owner_of_alarm, registe
 from .walk import KEYS_OF_TEXTS, SECTIONS_ON_OTHER_DOCUMENTS, is_derived, leaves_of, texts_about_encoder
 
 #: Words of a name, with the patterns of their opposites.
-_OPPOSITE_WORDS = {
+_OPPOSITE_PATTERN_BY_WORD = {
     "singleturn": re.compile(r"multi-?turn", re.IGNORECASE),
     "multiturn": re.compile(r"single-?turn", re.IGNORECASE),
     "read": re.compile(r"writ(?:es?|ing|ten)", re.IGNORECASE),
@@ -25,7 +25,7 @@ _OPPOSITE_WORDS = {
 #: The number of an LED in a name or title.
 _LED_NUMBER = re.compile(r"led[ _]?(\d+)", re.IGNORECASE)
 #: Length of the shortest word that is compared with words of other names, and largest number of compared names.
-_SHORTEST_COMPARED_WORD, _MOST_NAMES = 6, 300
+_SHORTEST_COMPARED_WORD, _MOST_COMPARED_NAMES = 6, 300
 #: Last letters of another form of a word, as in ``letters``, ``stored``, ``encoder`` and ``battery``.
 _LETTERS_OF_OTHER_FORMS = "sdrye0123456789"
 
@@ -38,7 +38,7 @@ def check_names_and_meanings(spec: WrittenSpec, report: DocumentReport) -> None:
         has_both_opposites = {"read", "write"} <= words_of_name or {"singleturn", "multiturn"} <= words_of_name
         if has_both_opposites:
             continue
-        for word, opposite in _OPPOSITE_WORDS.items():
+        for word, opposite in _OPPOSITE_PATTERN_BY_WORD.items():
             if word in words_of_name and opposite.fullmatch(first_word):
                 problem = f"the text begins with {quoted(first_word)}, but the name has {quoted(word)}"
                 report.add("words-contradict", named_text.path, f"{problem}; correct one of the two")
@@ -85,22 +85,22 @@ def check_misspelt_fields(spec: WrittenSpec, report: DocumentReport) -> None:
 
     The rarer of the two names is reported, at its first field.
     """
-    path_by_name: dict[str, Path] = {}
-    counts: Counter[str] = Counter()
+    first_path_by_name: dict[str, Path] = {}
+    field_count_by_name: Counter[str] = Counter()
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            path_by_name.setdefault(field.name, field.path_of("name"))
-            counts[field.name] += 1
-    compared_names = list(counts)[:_MOST_NAMES]
+            first_path_by_name.setdefault(field.name, field.path_of("name"))
+            field_count_by_name[field.name] += 1
+    compared_names = list(field_count_by_name)[:_MOST_COMPARED_NAMES]
     for pair_of_names in combinations(compared_names, 2):
         # Of equally common names, the first one counts as rarer.
-        rarer, common = sorted(pair_of_names, key=lambda name: counts[name])
-        if _lacks_a_letter(rarer.split("_"), common.split("_")):
+        rarer, common = sorted(pair_of_names, key=lambda name: field_count_by_name[name])
+        if _differ_by_missing_letter(rarer.split("_"), common.split("_")):
             message = f"another field is {quoted(common)}; correct one of the two, or give them names that differ more"
-            report.add("misspelt-name", path_by_name[rarer], message)
+            report.add("misspelt-name", first_path_by_name[rarer], message)
 
 
-def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
+def _differ_by_missing_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
     """Return True if two names differ in only one word, which lacks a letter in one of them, as ``positio`` does.
 
     Short words are not compared. A word with a letter more at its beginning, or with the ending of another form, such
@@ -114,11 +114,11 @@ def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
         return False
     word, other_word = different_pairs[0]
     shorter, longer = sorted((word, other_word), key=len)
-    is_long = len(shorter) >= _SHORTEST_COMPARED_WORD
-    has_other_length = len(longer) > len(shorter)
+    is_long_enough = len(shorter) >= _SHORTEST_COMPARED_WORD
+    differs_in_length = len(longer) > len(shorter)
     is_other_form = longer.startswith(shorter) and longer[-1] in _LETTERS_OF_OTHER_FORMS
     is_other_word = is_other_form or longer.endswith(shorter)
-    return is_long and has_other_length and not is_other_word and is_typo(shorter, longer)
+    return is_long_enough and differs_in_length and not is_other_word and is_typo(shorter, longer)
 
 
 _DIGITS = re.compile(r"\d+")
@@ -162,9 +162,9 @@ def check_printed_widths(spec: WrittenSpec, report: DocumentReport) -> None:
             if width is None:
                 continue
             if printed_range is not None:
-                count = abs(int(printed_range.group("first")) - int(printed_range.group("last"))) + 1
-                if width not in (count, 8 * count):
-                    message = f"the range has {count} bits or bytes, but the field has {width} bits"
+                numbers_in_range = abs(int(printed_range.group("first")) - int(printed_range.group("last"))) + 1
+                if width not in (numbers_in_range, 8 * numbers_in_range):
+                    message = f"the range has {numbers_in_range} bits or bytes, but the field has {width} bits"
                     report.add("printed-number", field.path_of("printed_name"), f"{message}; correct one of the two")
             _check_values_in_quotes(field, width, report)
 
@@ -176,12 +176,12 @@ def _check_values_in_quotes(field: WrittenField, width: int, report: DocumentRep
         match = _QUOTED_DIGITS.fullmatch(value.printed_name)
         if match is not None:
             digits_by_name[name] = match[1]
-    other_digits: dict[str, str] = {}
+    non_binary_digits_by_name: dict[str, str] = {}
     for name, digits in digits_by_name.items():
         if len(digits) != width or not set(digits) <= {"0", "1"}:
-            other_digits[name] = digits
-    is_binary = len(other_digits) < len(digits_by_name)
-    for name, digits in other_digits.items():
+            non_binary_digits_by_name[name] = digits
+    is_binary = len(non_binary_digits_by_name) < len(digits_by_name)
+    for name, digits in non_binary_digits_by_name.items():
         if is_binary:
             message = f"{quoted(digits)} is not a binary number of {width} bits, as in the other values of the field"
             report.add("printed-number", field.values[name].path_of("printed_name"), message)
@@ -199,7 +199,7 @@ _OPPOSITES = (
     ("high", "low"),
     ("up", "down"),
 )
-_OPPOSITE_OF = {**dict(_OPPOSITES), **{opposite: word for word, opposite in _OPPOSITES}}
+_OPPOSITE_BY_WORD = {**dict(_OPPOSITES), **{opposite: word for word, opposite in _OPPOSITES}}
 
 
 def check_name_and_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -224,9 +224,9 @@ def _yield_contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
     plain_meaning = re.sub(r"counter-?clockwise", "counterclockwise", meaning.casefold())
     meaning_words = set(re.findall(r"[a-z]+", plain_meaning))
     for word in plain_name.split("_"):
-        if word not in _OPPOSITE_OF or word in meaning_words:
+        if word not in _OPPOSITE_BY_WORD or word in meaning_words:
             continue
-        opposite = _OPPOSITE_OF[word]
+        opposite = _OPPOSITE_BY_WORD[word]
         if opposite in meaning_words:
             yield word, opposite
 
@@ -243,8 +243,8 @@ def check_alarm_name(spec: WrittenSpec, report: DocumentReport) -> None:
         group_or_register = owner_of_alarm(spec, located_alarm)
         if group_or_register is None or flag_name == name:
             continue
-        flags = by_name(group_or_register.fields)
-        if name in flags and flag_name in flags:
+        flag_by_name = by_name(group_or_register.fields)
+        if name in flag_by_name and flag_name in flag_by_name:
             owner_name = alarm.group or alarm.register
             problem = (
                 f"the alarm {quoted(name)} has the same name as a flag of {quoted(owner_name)}, but describes"
@@ -255,15 +255,15 @@ def check_alarm_name(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def check_procedure_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure with the name of a named value writes this value, if it writes to the same register."""
-    registers = by_name(spec.with_invalid_parts.registers)
-    groups = by_name(spec.with_invalid_parts.field_groups)
+    register_by_name = by_name(spec.with_invalid_parts.registers)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
         # Steps that write a named value to a register which also has a value with the name of the procedure.
         writes_by_register: dict[str, list[WrittenStep]] = {}
         for step in procedure.steps:
-            register = register_of_step(step, registers)
-            known_values = value_names_of_register(register, groups, step.field)
+            register = register_of_step(step, register_by_name)
+            known_values = value_names_of_register(register, group_by_name, step.field)
             if step.do == "write" and {name, step.value} <= set(known_values):
                 writes_by_register.setdefault(step.register, []).append(step)
         for register_name, writes in writes_by_register.items():
@@ -307,9 +307,9 @@ def check_misspelt_name(spec: WrittenSpec, report: DocumentReport) -> None:
         if flag is None:
             continue
         # The names by their keys, such as ("names", "it"), so that each is compared with the name in its language.
-        flag_names = dict(_printed_names(flag))
+        flag_name_by_path = dict(_printed_names(flag))
         for name_path, name in _printed_names(alarm.part):
-            flag_name = flag_names.get(name_path, "")
+            flag_name = flag_name_by_path.get(name_path, "")
             if _misspells(name, flag_name):
                 message = f"the flag of this alarm has {quoted(flag_name)}; correct one of the two"
                 report.add("misspelt-name", (*alarm.path, *name_path), message)
@@ -322,10 +322,10 @@ def _compare_with_contents(spec: WrittenSpec, report: DocumentReport) -> None:
     searched.
     """
     manual = spec.with_invalid_parts.manual
-    printed_titles: dict[str, str] = {}  # By their lower case.
+    title_by_lower_case: dict[str, str] = {}
     for section in manual.contents.values():
-        printed_titles |= {title.casefold(): title for title in section.names_in("entries")}
-    if len(printed_titles) > _MOST_ENTRIES:
+        title_by_lower_case |= {title.casefold(): title for title in section.names_in("entries")}
+    if len(title_by_lower_case) > _MOST_ENTRIES:
         return
     texts_of_errata = "\n".join(erratum.used.casefold() for erratum in spec.errata)
     for path, name in leaves_of(spec.data, report):
@@ -333,10 +333,10 @@ def _compare_with_contents(spec: WrittenSpec, report: DocumentReport) -> None:
         is_name = path[-1] == "printed_name" or path[-2:] == ("names", manual.language)
         if not is_name or not isinstance(name, str):
             continue
-        similar_titles = [title for title in printed_titles if _misspells(name, title)]
-        is_known = name.casefold() in printed_titles or name.casefold() in texts_of_errata
+        similar_titles = [title for title in title_by_lower_case if _misspells(name, title)]
+        is_known = name.casefold() in title_by_lower_case or name.casefold() in texts_of_errata
         if similar_titles and not is_known:
-            printed_title = printed_titles[similar_titles[0]]
+            printed_title = title_by_lower_case[similar_titles[0]]
             message = (
                 f"the table of contents has {quoted(printed_title)}; correct one of the two, "
                 "or add an erratum whose 'used' has this name"

@@ -23,7 +23,7 @@ _NUMBER = r"\d{1,3}(?:,\d{3})+|\d+"
 #: A number in two bases: ``16 is 10h``, with the decimal number first, and ``0x10 = 16``, with the hexadecimal one.
 _DECIMAL_FIRST = re.compile(rf"(?<![\w.,+])({_NUMBER}) (?:is|=) (0x[0-9A-Fa-f]+|[0-9A-F]+h)\b")
 _HEXADECIMAL_FIRST = re.compile(rf"\b(0x[0-9A-Fa-f]+|[0-9][0-9A-F]*h) (?:is|=) ({_NUMBER})(?![\w.,]*\d| bits?\b)")
-_SECTION_OF_BITS = re.compile(r"\bbits (\d+):(\d+), which are (\d+) bits")
+_STATED_WIDTH_OF_BITS = re.compile(r"\bbits (\d+):(\d+), which are (\d+) bits")
 
 
 def check_characters(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -71,7 +71,7 @@ def check_equal_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
             if int(decimal.replace(",", "")) != number:
                 message = f"{hexadecimal} is {number}, not {decimal}; correct one of the two"
                 report.add("printed-number", path, message)
-        for highest_bit, lowest_bit, stated_width in _SECTION_OF_BITS.findall(text):
+        for highest_bit, lowest_bit, stated_width in _STATED_WIDTH_OF_BITS.findall(text):
             width = int(highest_bit) - int(lowest_bit) + 1
             if width != int(stated_width):
                 message = f"bits {highest_bit}:{lowest_bit} are {width} bits, not {stated_width}; correct one of them"
@@ -84,9 +84,9 @@ _HEX_IN_TEXT = re.compile(r"\b(?:0x([0-9A-Fa-f]+)|([0-9][0-9A-F]*)h)\b")
 _WORDS_BEFORE_A_PLACE = re.compile(r"\b(?:register|address|at)\b", re.IGNORECASE)
 #: Printed names that are numbers: binary in quotes, hexadecimal as in 0x1F or 0Ah, binary as in 0b01. Plain digits may
 #: be a name.
-_IN_QUOTES = re.compile(r"\"([01]+)\"|'([01]+)'|“([01]+)”")
-_WITH_PREFIX = re.compile(r"0[xX][0-9A-Fa-f]+|0b[01]+")
-_WITH_SUFFIX = re.compile(r"((?:0[0-9A-F]*|[0-9A-F]*[A-F][0-9A-F]*))h")
+_BINARY_IN_QUOTES = re.compile(r"\"([01]+)\"|'([01]+)'|“([01]+)”")
+_NUMBER_WITH_PREFIX = re.compile(r"0[xX][0-9A-Fa-f]+|0b[01]+")
+_HEXADECIMAL_WITH_SUFFIX = re.compile(r"((?:0[0-9A-F]*|[0-9A-F]*[A-F][0-9A-F]*))h")
 
 
 def check_printed_number(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -94,24 +94,24 @@ def check_printed_number(spec: WrittenSpec, report: DocumentReport) -> None:
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, value in field.values.items():
-                printed_number = _printed_number(value.printed_name, constant_width(field))
+                printed_number = _parse_printed_number(value.printed_name, constant_width(field))
                 if printed_number is not None and printed_number != value.value:
                     problem = f"{quoted(name)} is printed as {value.printed_name}, which is {printed_number}"
                     message = f"{problem}, but 'value' is {value.value}"
                     report.add("printed-number", value.path_of("value"), message)
 
 
-def _printed_number(printed_name: str, width: int | None) -> int | None:
+def _parse_printed_number(printed_name: str, width: int | None) -> int | None:
     """Return the number if a printed name is a number as in ``0x1F``, ``0b01``, ``0Ah`` or ``"01"``, otherwise None.
 
     Zeros and ones in quotes are a binary number if they have as many digits as the field has bits.
     """
-    if _IN_QUOTES.fullmatch(printed_name):
+    if _BINARY_IN_QUOTES.fullmatch(printed_name):
         digits = printed_name[1:-1]  # without the quotes
         return int(digits, 2) if len(digits) == width else None
-    if _WITH_PREFIX.fullmatch(printed_name):
+    if _NUMBER_WITH_PREFIX.fullmatch(printed_name):
         return int(printed_name, 0)
-    with_suffix = _WITH_SUFFIX.fullmatch(printed_name)
+    with_suffix = _HEXADECIMAL_WITH_SUFFIX.fullmatch(printed_name)
     return int(with_suffix[1], 16) if with_suffix is not None else None
 
 
@@ -123,7 +123,7 @@ def check_number_in_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            fixed_numbers = _fixed_numbers_by_key(field)
+            fixed_numbers = _fixed_numbers_with_keys(field)
             names_a_place = _WORDS_BEFORE_A_PLACE.search(field.meaning) is not None
             if not fixed_numbers or names_a_place:
                 continue
@@ -139,10 +139,10 @@ def check_number_in_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("printed-number", field.path_of(key), message)
 
 
-def _fixed_numbers_by_key(field: WrittenField) -> list[tuple[str, int]]:
+def _fixed_numbers_with_keys(field: WrittenField) -> list[tuple[str, int]]:
     """Return the numbers that a field always has according to its keys, each with its key: ``("constant", 5)``."""
-    numbers_by_key = {"constant": field.constant, "equals": field.equals, "unused": field.unused}
-    return [(key, number) for key, number in numbers_by_key.items() if isinstance(number, int)]
+    number_by_key = {"constant": field.constant, "equals": field.equals, "unused": field.unused}
+    return [(key, number) for key, number in number_by_key.items() if isinstance(number, int)]
 
 
 def check_polynomial_in_note(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -152,11 +152,11 @@ def check_polynomial_in_note(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for located_crc in spec.crcs:
         crc = located_crc.part
-        printed_polynomials = _printed_polynomials(crc.note, crc.width)
+        polynomial_by_text = _polynomials_in_note(crc.note, crc.width)
         top_bit = 1 << crc.width
         polynomial = crc.poly + top_bit
-        if printed_polynomials and polynomial not in printed_polynomials.values():
-            first_text, *_ = printed_polynomials
+        if polynomial_by_text and polynomial not in polynomial_by_text.values():
+            first_text, *_ = polynomial_by_text
             message = (
                 f"the note has {first_text}, but 'poly' is {crc.poly:#x}, "
                 f"or {polynomial:#x} with its top bit; one of the two is wrong"
@@ -164,13 +164,13 @@ def check_polynomial_in_note(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("printed-number", (*located_crc.path, "poly"), message)
 
 
-def _printed_polynomials(note: str, width: int) -> dict[str, int]:
+def _polynomials_in_note(note: str, width: int) -> dict[str, int]:
     """Return the polynomials of a CRC of this width in a note, with their top bit, by their text: ``{"x^2 + 1": 0x5}``.
 
     An odd hexadecimal number with one bit more than the CRC counts as a polynomial, unless the note mentions a register
     or an address.
     """
-    polynomials: dict[str, int] = {}
+    polynomial_by_text: dict[str, int] = {}
     top_bit = 1 << width
     if not _WORDS_BEFORE_A_PLACE.search(note):
         for match in _HEX_IN_TEXT.finditer(note):
@@ -178,12 +178,12 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
             number = int(digits_after_0x or digits_before_h, 16)
             is_odd = number & 1 == 1  # Every polynomial of a CRC ends in + 1.
             if is_odd and top_bit < number < 2 * top_bit:
-                polynomials[match[0]] = number
+                polynomial_by_text[match[0]] = number
     for match in POLYNOMIAL.finditer(note):
         powers = polynomial_powers(match[0])
         if max(powers) == width and 0 in powers:
-            polynomials[match[0]] = sum(1 << power for power in powers)
-    return polynomials
+            polynomial_by_text[match[0]] = sum(1 << power for power in powers)
+    return polynomial_by_text
 
 
 def check_crc_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -234,10 +234,10 @@ def check_value_widths(spec: WrittenSpec, report: DocumentReport) -> None:
             if width is None:
                 continue
             for path, subject, number in _numbers_of_field(field):
-                is_too_wide = number < 0 or number >> width > 0
+                is_outside_width = number < 0 or number >> width > 0
                 # The number for which a stored 0 stands is sent as 0. A constant is sent as it is.
                 is_sent_as_zero = number == field.zero_means and path != field.path_of("constant")
-                if is_too_wide and not is_sent_as_zero:
+                if is_outside_width and not is_sent_as_zero:
                     message = f"{subject} {number:#x}, which does not fit into {count_with_unit(width, 'bit')}"
                     report.add("value-too-wide", path, message)
 
@@ -245,7 +245,7 @@ def check_value_widths(spec: WrittenSpec, report: DocumentReport) -> None:
 #: Keys of numbers that manuals print in hexadecimal.
 HEXADECIMAL = frozenset("address addresses poly init xorout check control constant unused biss_id".split())
 #: Maps whose keys are names defined in the spec.
-_OWN_NAMES = frozenset(("values", "arguments", "sets"))
+_MAPS_KEYED_BY_SPEC_NAMES = frozenset(("values", "arguments", "sets"))
 _DECIMAL_DIGITS = re.compile("[0-9]{2,}")
 _LEADING_ZERO = re.compile("[-+]?0[0-9]+")
 
@@ -287,26 +287,26 @@ def _is_hexadecimal(path: Path) -> bool:
     """
     if path[-1] == "value":
         return "writes" in path
-    is_name_in_spec = len(path) > 1 and path[-2] in _OWN_NAMES
+    is_name_in_spec = len(path) > 1 and path[-2] in _MAPS_KEYED_BY_SPEC_NAMES
     return path[-1] in HEXADECIMAL and not is_name_in_spec
 
 
 _XOR_OF_BYTES = re.compile(r"\bXOR of (?:all |the )(?:\w+ )?bytes\b")
 #: Width and polynomial of the CRC that is the XOR of all bytes: x^8 + 1.
 _WIDTH_OF_XOR, _POLY_OF_XOR = 8, 1
-_IS_BIT = re.compile(r"(?P<name>[A-Z][^.,;:]*) is bit (?P<bit>\d+)\.")
+_STATED_BIT = re.compile(r"(?P<name>[A-Z][^.,;:]*) is bit (?P<bit>\d+)\.")
 _NUMBER_WORDS = "two three four five six seven eight".split()
-_THESE_BYTES = re.compile(rf"\bthese (?P<count>{'|'.join(_NUMBER_WORDS)}) bytes\b")
+_STATED_BYTE_COUNT = re.compile(rf"\bthese (?P<count>{'|'.join(_NUMBER_WORDS)}) bytes\b")
 _BITS_IN_TEXT = re.compile(r"(?<!\w)[01]{8,}(?!\w)")
 
 
 def check_xor_of_bytes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a CRC that a text calls the XOR of the bytes is computed so: with the polynomial x^8 + 1."""
-    crcs = by_part_name(spec.crcs)
+    crc_by_name = by_part_name(spec.crcs)
     for path, text, crc in _texts_about_crcs(spec):
         is_xor = (crc.width, crc.poly) == (_WIDTH_OF_XOR, _POLY_OF_XOR)
         match = _XOR_OF_BYTES.search(text)
-        if match is not None and not is_xor and crc.name in crcs:
+        if match is not None and not is_xor and crc.name in crc_by_name:
             message = f"the text says {quoted(match[0])}, but {quoted(crc.name)} has {crc.width} bits and 'poly'"
             report.add("left-behind", path, f"{message} {crc.poly:#x}; correct one of the two", cause=crc.name)
 
@@ -335,14 +335,14 @@ def check_bits_of_fields(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     if is_derived(report.document):
         return
-    targets = ErratumTargets(spec.data)
+    erratum_targets = ErratumTargets(spec.data)
     for erratum in spec.errata:
-        statement = _IS_BIT.fullmatch(erratum.used)
+        statement = _STATED_BIT.fullmatch(erratum.used)
         if statement is None:
             continue
         stated_name = statement.group("name").casefold()
         stated_bit = int(statement.group("bit"))
-        for field in _affected_fields(erratum, targets):
+        for field in _affected_fields(erratum, erratum_targets):
             printed_name = str(field.get("printed_name", ""))
             name_in_words = str(field.get("name", "")).replace("_", " ")
             is_named = stated_name in (printed_name.casefold(), name_in_words.casefold())
@@ -363,14 +363,14 @@ def check_bytes_in_notes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a field of a layout has the bytes that its note counts, as in "Some models omit these three bytes"."""
     for field_list in layouts_of_interfaces(spec):
         layout = field_list.owner
-        widths: set[int | str | None] = set()
+        bit_counts: set[int | str | None] = set()
         for field in field_list.fields:
-            widths |= {field.bits, field.padded_to}
+            bit_counts |= {field.bits, field.padded_to}
         note = str(layout.data.get("note", ""))
-        for match in _THESE_BYTES.finditer(note):
+        for match in _STATED_BYTE_COUNT.finditer(note):
             byte_count = _NUMBER_WORDS.index(match.group("count")) + 2  # The first word is "two".
             bit_count = 8 * byte_count
-            if bit_count not in widths:
+            if bit_count not in bit_counts:
                 problem = f"the text says {quoted(match[0])}, but no field of the layout has {bit_count} bits"
                 report.add("left-behind", layout.path_of("note"), f"{problem}; correct one of the two")
 

@@ -134,8 +134,8 @@ def placeholder_name(spec_data: Data, path: Path) -> str:
 
     If it is a source, it is the name of the part with this source, such as ``registers.preset``.
     """
-    owner = path[:-1] if path[-1] == "source" and len(path) > 1 else path
-    return as_affected(spec_data, owner) or str(path[0])
+    path_of_part = path[:-1] if path[-1] == "source" and len(path) > 1 else path
+    return as_affected(spec_data, path_of_part) or str(path[0])
 
 
 #: Texts about the encoder of today.
@@ -193,7 +193,7 @@ def texts_in_our_words(spec: WrittenSpec, report: DocumentReport) -> Iterator[tu
             yield path, text
 
 
-_NOT_IN_NAMES = re.compile(r"[^a-z0-9_]")
+_CHARACTER_NOT_IN_NAMES = re.compile(r"[^a-z0-9_]")
 
 
 def as_affected(root: object, path: Path) -> str:
@@ -208,7 +208,7 @@ def as_affected(root: object, path: Path) -> str:
         node = child_at(node, step)
         is_list_item = isinstance(step, int)
         step_name = label_of(node) if is_list_item else str(step)
-        if step_name is None or _NOT_IN_NAMES.search(step_name):
+        if step_name is None or _CHARACTER_NOT_IN_NAMES.search(step_name):
             break
         is_omitted = step_name in KEYS_OMITTED_BY_ERRATA and not is_list_item and depth > 0
         if not is_omitted:
@@ -221,14 +221,14 @@ class ErratumTargets:
 
     def __init__(self, data: object) -> None:
         self._data = data
-        #: Items by name, for each list that was searched.
-        self._items: dict[int, dict[object, list[object]]] = {}
+        #: Items by name, for each list that was searched. Its id is the key, because a list cannot be one.
+        self._named_items_by_list_id: dict[int, dict[object, list[object]]] = {}
 
     def values_at(self, affected: str) -> list[object]:
         """Return every value in the data to which a path such as ``registers.preset`` refers."""
         nodes = [self._data]  # Everything to which the steps so far refer.
         for step in affected.split("."):
-            nodes = [match for node in nodes for match in self._find_named(node, step)]
+            nodes = [found_value for node in nodes for found_value in self._find_named(node, step)]
         return nodes
 
     def _find_named(self, node: object, step: str) -> list[object]:
@@ -240,24 +240,24 @@ class ErratumTargets:
             return self._items_by_name(node).get(step, [])
         if not isinstance(node, dict):
             return []
-        matches = [node[step]] if step in node else []
+        found_values = [node[step]] if step in node else []
         # Paths of errata omit the lists of fields, layouts and steps, and the map of values.
         for key, child in node.items():
             if isinstance(child, list):
-                matches += self._items_by_name(child).get(step, [])
+                found_values += self._items_by_name(child).get(step, [])
             elif key == "values" and isinstance(child, dict) and step in child:
-                matches.append(child[step])
-        return matches
+                found_values.append(child[step])
+        return found_values
 
     def _items_by_name(self, items: list[object]) -> dict[object, list[object]]:
         """Return the items of a list by their names, each with all items of this name."""
-        if id(items) not in self._items:
-            named_items: dict[object, list[object]] = {}
+        if id(items) not in self._named_items_by_list_id:
+            items_by_name: dict[object, list[object]] = {}
             for list_item in items:
                 if isinstance(list_item, dict) and isinstance(list_item.get("name"), str):
-                    named_items.setdefault(list_item["name"], []).append(list_item)
-            self._items[id(items)] = named_items
-        return self._items[id(items)]
+                    items_by_name.setdefault(list_item["name"], []).append(list_item)
+            self._named_items_by_list_id[id(items)] = items_by_name
+        return self._named_items_by_list_id[id(items)]
 
 
 def names_of_characteristics(spec_data: Mapping[str, object]) -> set[str]:
@@ -275,19 +275,19 @@ def without_steps(node: object, removed_names: Collection[str]) -> object:
     ``by_hand`` lists characteristics with steps for a person. The key is removed if no name remains.
     """
     if isinstance(node, list):
-        return [without_steps(inner, removed_names) for inner in node]
+        return [without_steps(child, removed_names) for child in node]
     if not isinstance(node, dict):
         return node
     cleaned = {}
-    for key, inner in node.items():
+    for key, child in node.items():
         if key in ("join", "when"):  # Their keys are names of the spec, not keys of the language.
-            cleaned[key] = inner
-        elif key == "by_hand" and isinstance(inner, list):
-            remaining_steps = [name for name in inner if name not in removed_names]
+            cleaned[key] = child
+        elif key == "by_hand" and isinstance(child, list):
+            remaining_steps = [name for name in child if name not in removed_names]
             if remaining_steps:
                 cleaned[key] = remaining_steps
         else:
-            cleaned[key] = without_steps(inner, removed_names)
+            cleaned[key] = without_steps(child, removed_names)
     return cleaned
 
 
