@@ -89,10 +89,9 @@ def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
     for register in spec.registers:
         name = register.name
         has_profile_name = name in _PROFILE_REGISTER_BY_NAME or name == bank_select_register(spec)
-        is_outside_banks = interface_name_of(register) == Biss.name and register.bank is None
-        if has_profile_name or not is_outside_banks:
+        if has_profile_name or not _is_biss_register_outside_banks(register):
             continue
-        profile_name = _profile_register_at(register)
+        profile_name = _find_occupied_profile_register(register)
         if profile_name is None or is_explained_at(report.document, "registers", name, "address"):
             continue
         first_address = register.address
@@ -110,7 +109,12 @@ def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
         report.add("biss-protocol", register.path_of("address"), f"{problem}; {remedy}")
 
 
-def _profile_register_at(register: WrittenRegister) -> str | None:
+def _is_biss_register_outside_banks(register: WrittenRegister) -> bool:
+    """Return True for a register that is accessed over BiSS and does not belong to a bank."""
+    return interface_name_of(register) == Biss.name and register.bank is None
+
+
+def _find_occupied_profile_register(register: WrittenRegister) -> str | None:
     """Return the name of the BiSS profile's register at the addresses of ``register``, which has another name.
 
     The result is None if there is no such register, or if ``register`` may be there: as a part of it, or at 41h.
@@ -130,8 +134,7 @@ def check_biss_byte_order(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of the BiSS profile have their highest byte first, unless an erratum explains it."""
     for register in spec.registers:
         name = register.name
-        is_outside_banks = interface_name_of(register) == Biss.name and register.bank is None
-        if name not in _PROFILE_REGISTER_BY_NAME or not is_outside_banks:
+        if name not in _PROFILE_REGISTER_BY_NAME or not _is_biss_register_outside_banks(register):
             continue
         is_low_byte_first = register.byte_order == "low_byte_first"
         if is_low_byte_first and not is_explained_at(report.document, "registers", name, "byte_order"):
@@ -261,6 +264,7 @@ def _message_on_inverted_bits(crc: Crc) -> str:
 
 
 def _all_ones(width: int) -> int:
+    """Return the number whose bits are all 1: 0x3F for a width of 6 bits."""
     return (1 << width) - 1
 
 

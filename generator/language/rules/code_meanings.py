@@ -198,14 +198,14 @@ def check_named_interface(spec: WrittenSpec, report: DocumentReport) -> None:
         for label, value in part.values.items():
             # One spelling for each interface, so that a code in two spellings counts once.
             interface_words = _ANY_INTERFACE_NAME.findall(value.meaning)
-            interface_names = {word.upper().replace("RS485", "RS-485") for word in interface_words}
-            if len(interface_names) != 1 or value.interface is None:
+            printed_interface_names = {word.upper().replace("RS485", "RS-485") for word in interface_words}
+            if len(printed_interface_names) != 1 or value.interface is None:
                 continue
-            named_interfaces = [
+            interfaces_in_meaning = [
                 name for name, pattern in _PATTERN_BY_INTERFACE.items() if pattern.search(value.meaning)
             ]
-            if named_interfaces and value.interface != named_interfaces[0]:
-                printed_name = interface_names.pop().replace("BISS", "BiSS")
+            if interfaces_in_meaning and value.interface != interfaces_in_meaning[0]:
+                printed_name = printed_interface_names.pop().replace("BISS", "BiSS")
                 problem = (
                     f"the meaning of {quoted(label)} mentions {printed_name}, but the value selects {value.interface}"
                 )

@@ -15,11 +15,11 @@ from ..written import LocatedPart
 from .parts import is_second_reading
 from .references import NameResolver
 
-#: Contacts without a signal.
+#: Texts for a contact without a signal, such as ``not connected``, ``NC`` and ``-``.
 _UNCONNECTED_SIGNAL = re.compile(
     r"(?:not (?:to be )?(?:connected|used)|unused|reserved|n\.? ?c\.?|do not connect|free|[-–—])", re.IGNORECASE
 )
-#: Signals that several contacts may have: supplies, grounds and shields.
+#: Signals that several contacts may have, such as ``5 V``, ``GND`` and ``Shield``: supplies, grounds and shields.
 _SHAREABLE_SIGNAL = re.compile(
     r"(?<![A-Za-z])"
     r"(?:\d*(?:[.,]\d+)? ?V(?:dc|b|cc|dd|in|s)?|ground|gnd|earth|pe|shield|screen|braid|case|housing|supply)"
@@ -115,7 +115,7 @@ def check_repeated_signals(spec: WrittenSpec, report: DocumentReport) -> None:
 def _share_signal(contact: _Contact, earlier_contact: _Contact) -> bool:
     """Return True if two contacts have a signal in common, as a whole or by one of its names outside parentheses.
 
-    The result is False if each contact is restricted to different order codes (``order_codes``).
+    The result is False if each contact is restricted to different order codes (``only`` in a spec).
     """
     if contact.order_codes and earlier_contact.order_codes and contact.order_codes != earlier_contact.order_codes:
         return False

@@ -31,10 +31,11 @@ from .walk import is_derived, leaves, leaves_of, sources
 
 #: Grades of evidence, with and without data from real hardware, for which each fact needs the manufacturer's document
 #: or two implementations.
-_CORROBORATED_GRADES = ("corroborated", "corroborated, no hardware frame seen")
+_GRADE_WITHOUT_HARDWARE_DATA = "corroborated, no hardware frame seen"
+_CORROBORATED_GRADES = ("corroborated", _GRADE_WITHOUT_HARDWARE_DATA)
 #: Grades that need data from real hardware, and the advice if there are no such data.
 _GRADES_WITH_HARDWARE_DATA = ("quoted", "corroborated")
-_ADVICE_WITHOUT_HARDWARE_DATA = "or write 'corroborated, no hardware frame seen'"
+_ADVICE_WITHOUT_HARDWARE_DATA = f"or write '{_GRADE_WITHOUT_HARDWARE_DATA}'"
 _ALL_PAGES = "all pages"
 #: A source: the key of the cited document, and the place in it.
 _SOURCE_PATTERN = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
@@ -106,8 +107,7 @@ def _yield_missing_support(evidence: Evidence) -> Iterator[str]:
         yield "needs two sources that share no code: list them under 'implementations'"
     if grade in _GRADES_WITH_HARDWARE_DATA and not evidence.vectors:
         yield f"needs an example from real hardware: list it under 'vectors', {_ADVICE_WITHOUT_HARDWARE_DATA}"
-    _, grade_without_hardware_data = _CORROBORATED_GRADES
-    if grade == grade_without_hardware_data and evidence.vectors:
+    if grade == _GRADE_WITHOUT_HARDWARE_DATA and evidence.vectors:
         yield "has no vectors: remove them, or write 'corroborated'"
 
 

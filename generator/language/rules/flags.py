@@ -343,8 +343,8 @@ def names_error(name: str, printed_name: str) -> bool:
 
     The result is False for a name that denies the error, such as "No error".
     """
-    texts = (name.replace("_", " "), printed_name)
-    return any(_ERROR_WORDS.search(text) and not _DENIAL_OF_ERROR.search(text) for text in texts)
+    names = (name.replace("_", " "), printed_name)
+    return any(_ERROR_WORDS.search(text) and not _DENIAL_OF_ERROR.search(text) for text in names)
 
 
 def check_flag_sums(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -394,16 +394,16 @@ def check_plain_bits(spec: WrittenSpec, report: DocumentReport) -> None:
         if field_list.owner_kind is not FieldOwner.GROUP and not field_list.is_from_encoder:
             continue
         for field in field_list.fields:
-            name = field.name
+            field_name = field.name
             is_plain_number = _KEYS_OF_PLAIN_NUMBER.issuperset(field.data)
             is_plain_bit = is_plain_number and _width_of_field(field) == 1
-            if not is_plain_bit or _is_defined_by_interface(field_list, name):
+            if not is_plain_bit or _is_defined_by_interface(field_list, field_name):
                 continue
-            problem = f"{quoted(name)} is a plain number, so decoders ignore it"
-            if _PARITY_NAME.fullmatch(name):
+            problem = f"{quoted(field_name)} is a plain number, so decoders ignore it"
+            if _PARITY_NAME.fullmatch(field_name):
                 remedy = "write 'parity_of: [FIELDS]' instead of 'bits: 1', or add a 'note' that it is not a parity bit"
                 report.add("plain-bit", field.path, f"{problem}; {remedy}")
-            elif _FLAG_NAME.fullmatch(name):
+            elif _FLAG_NAME.fullmatch(field_name):
                 remedy = (
                     "write 'active: high' or 'active: low' instead of 'bits: 1', or add a 'note' that it is not a flag"
                 )

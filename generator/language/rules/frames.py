@@ -227,13 +227,13 @@ def check_memory_accesses(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two rows of ``memory_access`` describe the same reply: the same access with the same busy flag."""
     rs485 = spec.interfaces.rs485
     replies = [reply for reply in rs485.memory_access if reply.is_valid("busy")] if rs485 is not None else []
-    earlier_replies: set[tuple[str, int]] = set()  # By the access and the busy flag.
+    earlier_accesses_and_flags: set[tuple[str, int]] = set()  # By the access and the busy flag.
     for reply in replies:
         access, busy_flag = reply.part.access, reply.part.busy
-        if (access, busy_flag) in earlier_replies:
+        if (access, busy_flag) in earlier_accesses_and_flags:
             message = f"there is already a row for {access} with 'busy' {busy_flag}; correct one of the two"
             report.add("memory-access-repeated", (*reply.path, "busy"), message)
-        earlier_replies.add((access, busy_flag))
+        earlier_accesses_and_flags.add((access, busy_flag))
 
 
 #: Placeholder for the name of the position in a message.
@@ -269,8 +269,8 @@ def _explain_contradiction(output_code: str, layout: FieldList, spec: WrittenSpe
     The key ``gray`` of a layout means that the position is in Gray code, either always or, with ``when``, if that
     parameter of the order code is not 0. ``has_gray`` is True if any layout of the interface has this key.
     """
-    gray = gray_of(layout)
-    if gray is None:
+    gray_key = gray_of(layout)
+    if gray_key is None:
         # With ``by_order_code``, it is enough if another layout has the key.
         is_by_order_code = output_code == "by_order_code"
         if output_code == "binary" or (is_by_order_code and has_gray):
@@ -281,12 +281,12 @@ def _explain_contradiction(output_code: str, layout: FieldList, spec: WrittenSpe
         return f"has no 'gray', so decoders read the position as binary; add {example} to it"
     match output_code:
         case "binary":
-            correct_code = "by_order_code" if gray.when else "gray"
+            correct_code = "by_order_code" if gray_key.when else "gray"
             return f"has 'gray'; write 'output_code: {correct_code}', or remove 'gray'"
-        case "by_order_code" if not gray.when:
+        case "by_order_code" if not gray_key.when:
             return "is always in Gray code; write 'output_code: gray', or add 'when' to 'gray'"
-        case "gray" if 0 in _numbers_set_by_codes(spec, layout.interface, gray.when):
-            return f"is binary where {quoted(gray.when)} is 0; write 'output_code: by_order_code'"
+        case "gray" if 0 in _numbers_set_by_codes(spec, layout.interface, gray_key.when):
+            return f"is binary where {quoted(gray_key.when)} is 0; write 'output_code: by_order_code'"
     return ""
 
 

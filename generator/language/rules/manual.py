@@ -35,10 +35,10 @@ def check_source_format(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A source has one or more places, separated by semicolons, each with an optional document: ``6.4 p.35; errata: 2``.
     """
-    editions = [edition.part.language for edition in spec.with_invalid_parts.manual.editions if edition.part.language]
+    languages = [edition.part.language for edition in spec.with_invalid_parts.manual.editions if edition.part.language]
     documents = spec.with_invalid_parts.names_in("documents")
-    language = spec.with_invalid_parts.manual.language
-    known_sources = _KnownSources(language, editions, documents)
+    language_of_manual = spec.with_invalid_parts.manual.language
+    known_sources = _KnownSources(language_of_manual, languages, documents)
     for path, source_text in sources(leaves_of(spec.data, report)):
         for citation in source_text.split(";"):
             _check_form_of_citation(citation.strip(), path, known_sources, report)
@@ -63,23 +63,23 @@ def _check_form_of_citation(citation: str, path: Path, known_sources: _KnownSour
     # TODO marks a place that is still to be checked.
     citation_line = citation.replace("\n", " ").removeprefix("TODO ")
     match = _CITATION_WITH_KEY.fullmatch(citation_line)
-    key, place = (match["key"], match["place"].strip()) if match is not None else (None, citation)
+    key, place_text = (match["key"], match["place"].strip()) if match is not None else (None, citation)
     possible_keys = [*known_sources.editions, *known_sources.documents]
     if key is not None and key == known_sources.language_of_manual:
         report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; remove '{key}:'")
     elif key is not None and key not in possible_keys:
         hint = suggest_word(key, possible_keys)
         report.add("undefined-reference", path, f"there is no edition or document {quoted(key)}{hint}")
-    elif key in known_sources.documents and place:
+    elif key in known_sources.documents and place_text:
         return  # Public documents have sections of every kind.
-    elif not _CITED_PLACE.fullmatch(place):
+    elif not _CITED_PLACE.fullmatch(place_text):
         citation_text = quoted(citation) if citation else "empty text"
-        forms = (
+        valid_forms_text = (
             "cite a section ('6.4' or 'Cover'), a table ('Table 41'), a page ('p.35'), "
             "or a section or table followed by a page"
         )
         message = (
-            f"{citation_text} is not a valid source; {forms}. "
+            f"{citation_text} is not a valid source; {valid_forms_text}. "
             "Separate several sources with semicolons, and prefix those in other documents with the document's key and"
             " a colon"
         )
@@ -130,10 +130,10 @@ def check_cited_place(spec: WrittenSpec, report: DocumentReport) -> None:
         citations = _find_citations(source)
         for citation in citations:
             section, page_text = citation.group("section", "page")
-            is_in_section = _check_cited_page(
+            is_page_in_section = _check_cited_page(
                 section, page_text, page_ranges, enclosing_names, path=path, report=report
             )
-            if not is_in_section:
+            if not is_page_in_section:
                 continue
             page = int(page_text)
             has_page = contents[section].page is not None
@@ -214,12 +214,12 @@ def _find_page_ranges(contents: Mapping[str, WrittenSection]) -> dict[str, dict[
     is the page on which the next section or entry begins. A section whose page is not printed is between the nearest
     pages that are printed.
     """
-    sections = list(contents.items())
+    named_sections = list(contents.items())
     page_ranges: dict[str, dict[str, tuple[int, int]]] = {}
-    latest_page = _FIRST_POSSIBLE_PAGE
-    for index, (name, section) in enumerate(sections):
-        following_sections = sections[index + 1 :]
-        prefix_of_subsections = f"{name}."  # The subsections of 4 are 4.1, 4.2 and so on.
+    page_reached = _FIRST_POSSIBLE_PAGE
+    for index, (section_name, section) in enumerate(named_sections):
+        following_sections = named_sections[index + 1 :]
+        prefix_of_subsections = f"{section_name}."  # The subsections of 4 are 4.1, 4.2 and so on.
         subsections: list[WrittenSection] = []
         sections_after_it: list[WrittenSection] = []
         for following_name, following_section in following_sections:
@@ -227,13 +227,13 @@ def _find_page_ranges(contents: Mapping[str, WrittenSection]) -> dict[str, dict[
                 subsections.append(following_section)
             else:
                 sections_after_it.append(following_section)
-        first_page = latest_page if section.page is None else section.page
+        first_page = page_reached if section.page is None else section.page
         last_page = max(first_page, _first_printed_page(sections_after_it, default=_LAST_POSSIBLE_PAGE))
-        page_ranges[name] = {_WHOLE_SECTION: (first_page, last_page)}
+        page_ranges[section_name] = {_WHOLE_SECTION: (first_page, last_page)}
         # The entries of a section come before its subsections.
         last_page_of_entries = _first_printed_page(subsections, default=last_page)
-        page_ranges[name] |= _page_ranges_of_entries(section, last_page_of_entries)
-        latest_page = max([first_page, *section.entries.values()])
+        page_ranges[section_name] |= _page_ranges_of_entries(section, last_page_of_entries)
+        page_reached = max([first_page, *section.entries.values()])
     return page_ranges
 
 
@@ -374,8 +374,8 @@ def check_figures(spec: WrittenSpec, report: DocumentReport) -> None:
 def _figure_numbers(figure_text: str) -> Iterator[int]:
     """Yield the numbers of the figures that a text names: 2, 3, 4 and 7 for ``Figures 2 to 4 and 7``."""
     for listed_numbers in _FIGURE_NUMBERS.findall(figure_text):
-        for number_or_range in re.split(", | and ", listed_numbers):
-            first_text, _, last_text = number_or_range.partition(" to ")
+        for number_or_range_text in re.split(", | and ", listed_numbers):
+            first_text, _, last_text = number_or_range_text.partition(" to ")
             first_number = int(first_text)
             last_number = int(last_text) if last_text else first_number
             if last_number - first_number < _MOST_FIGURES:

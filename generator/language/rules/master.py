@@ -235,11 +235,11 @@ def _check_setting_value(setting: WrittenSetting, value_key: str, report: Docume
         _check_clocks(setting.any_clock, report)
 
 
-def _check_clocks(clocks: WrittenAnyClock, report: DocumentReport) -> None:
+def _check_clocks(clock_limits: WrittenAnyClock, report: DocumentReport) -> None:
     """Check that the highest clock is not below the lowest one."""
-    lowest = _Bound("at_least_hz", clocks.at_least_hz)
-    highest = _Bound("at_most_hz", clocks.at_most_hz)
-    _check_bounds(lowest, highest, clocks.path, report)
+    lowest = _Bound("at_least_hz", clock_limits.at_least_hz)
+    highest = _Bound("at_most_hz", clock_limits.at_most_hz)
+    _check_bounds(lowest, highest, clock_limits.path, report)
 
 
 def _check_place_of_setting(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:

@@ -144,6 +144,7 @@ def check_numbers_in_printed_names(spec: WrittenSpec, report: DocumentReport) ->
 def _compare_with_printed_name(name: str, printed_name: str, path: Path, report: DocumentReport) -> None:
     """Report a printed name that differs from a name only in a number."""
     printed_as_name = re.sub(r"\W+", "_", printed_name.lower()).strip("_")
+    # Numbers are replaced by 0, so that only the words are compared: STATUS1 has the words of status2.
     has_same_words = _DIGITS.sub("0", printed_as_name) == _DIGITS.sub("0", name)
     if has_same_words and printed_as_name != name:
         message = f"only a number differs from the name {quoted(name)}; correct one of the two"

@@ -72,7 +72,7 @@ def check_equal_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
                 message = f"{hexadecimal} is {number}, not {decimal}; correct one of the two"
                 report.add("printed-number", path, message)
         for highest_bit, lowest_bit, stated_width in _STATED_WIDTH_OF_BITS.findall(text):
-            width = int(highest_bit) - int(lowest_bit) + 1
+            width = int(highest_bit) - int(lowest_bit) + 1  # Both bits belong to the range.
             if width != int(stated_width):
                 message = f"bits {highest_bit}:{lowest_bit} are {width} bits, not {stated_width}; correct one of them"
                 report.add("printed-number", path, message)
@@ -262,20 +262,20 @@ def check_number_base(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         spelling = report.document.spelling_at(path)
         # The same digits read as hexadecimal, without sign and leading zeros, with at least two digits.
-        digits = spelling.lstrip("+-0")
-        hexadecimal = f"0x{digits:0>2}"
+        digits_without_zeros = spelling.lstrip("+-0")
+        same_digits_in_hexadecimal = f"0x{digits_without_zeros:0>2}"
         must_be_hexadecimal = not is_json and _is_hexadecimal(path)
         if must_be_hexadecimal and _DECIMAL_DIGITS.fullmatch(spelling):
             decimal_hint = f", or {number:#04x} for decimal {number}" if number > 9 else ""
             message = (
                 f"{quoted(path[-1])} is {spelling}, which is decimal, but manuals print it in hexadecimal; "
-                f"write {hexadecimal}{decimal_hint}"
+                f"write {same_digits_in_hexadecimal}{decimal_hint}"
             )
             report.add("number-base", path, message)
         elif _LEADING_ZERO.fullmatch(spelling):
             message = (
                 f"{spelling} begins with a zero and is read as decimal {number}; "
-                f"write {number}, or {hexadecimal} if it is hexadecimal"
+                f"write {number}, or {same_digits_in_hexadecimal} if it is hexadecimal"
             )
             report.add("number-base", path, message)
 
@@ -379,8 +379,8 @@ def check_bits_in_notes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the note of an example has the bits of its bytes, as in "The value is 01100000 in binary"."""
     for example in spec.examples:
         bits_of_bytes = [f"{int(byte_text, 16):08b}" for byte_text in example.bytes.split()]  # 01100000 for 60.
-        bits = "".join(bits_of_bytes)
+        bits_text = "".join(bits_of_bytes)
         for stated_bits in _BITS_IN_TEXT.findall(example.note):
-            if len(stated_bits) == len(bits) and stated_bits != bits:
-                problem = f"the text has {stated_bits}, but the bytes of the example are {bits} in binary"
+            if len(stated_bits) == len(bits_text) and stated_bits != bits_text:
+                problem = f"the text has {stated_bits}, but the bytes of the example are {bits_text} in binary"
                 report.add("left-behind", example.path_of("note"), f"{problem}; correct one of the two")

@@ -43,6 +43,7 @@ def leaves_of(spec: Data, report: DocumentReport) -> Sequence[tuple[Path, object
     The report keeps the result for the last spec, because one rule after another needs it.
     """
     spec_of_leaves, _ = report.leaves
+    # Compared by identity, because comparing the contents would take as long as collecting them.
     if spec_of_leaves is not spec:
         report.leaves = (spec, leaves(spec))
     _, located_values = report.leaves
