@@ -319,22 +319,31 @@ def check_counts(spec: WrittenSpec, report: DocumentReport) -> None:
     formula_by_parameter = _formulas_of_parameters(spec)
     for part in spec.order_code.parts:
         for value in part.values.values():
-            if value.meaning_differs:
-                continue
-            number_by_parameter = resolve_parameters(value.sets, formula_by_parameter)
-            for number_text, unit_text in _COUNT_IN_TEXT.findall(value.meaning):
-                unit = "counts" if unit_text.startswith("counts") else "turns"
-                formula = formula_by_unit.get(unit)
-                number = _evaluate_formula(formula, number_by_parameter) if formula is not None else None
-                if number is None:
-                    continue
-                possible_spellings = (str(number), f"{number:,}")  # Manuals print 4096 or 4,096.
-                if number_text not in possible_spellings:
-                    message = (
-                        f"the meaning says {number_text} {unit_text}, but the value sets {number}; one of the two is"
-                        " wrong. If the manual prints it so, give the reason in 'meaning_differs'"
-                    )
-                    report.add("meaning-mismatch", value.path_of("meaning"), message)
+            if not value.meaning_differs:
+                number_by_parameter = resolve_parameters(value.sets, formula_by_parameter)
+                _check_stated_counts(value, formula_by_unit, number_by_parameter, report)
+
+
+def _check_stated_counts(
+    code_value: WrittenCodeValue,
+    formula_by_unit: Mapping[str, Expression],
+    number_by_parameter: Mapping[str, int],
+    report: DocumentReport,
+) -> None:
+    """Check each number of counts or revolutions in the meaning of an order code value against its formula."""
+    for number_text, unit_text in _COUNT_IN_TEXT.findall(code_value.meaning):  # ("4,096", "counts per turn")
+        unit = "counts" if unit_text.startswith("counts") else "turns"
+        formula = formula_by_unit.get(unit)
+        number = _evaluate_formula(formula, number_by_parameter) if formula is not None else None
+        if number is None:
+            continue
+        possible_spellings = (str(number), f"{number:,}")  # Manuals print 4096 or 4,096.
+        if number_text not in possible_spellings:
+            message = (
+                f"the meaning says {number_text} {unit_text}, but the value sets {number}; one of the two is"
+                " wrong. If the manual prints it so, give the reason in 'meaning_differs'"
+            )
+            report.add("meaning-mismatch", code_value.path_of("meaning"), message)
 
 
 def _formulas_of_measurements(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:

@@ -159,15 +159,21 @@ def check_printed_widths(spec: WrittenSpec, report: DocumentReport) -> None:
     for field_list in field_lists(spec):
         for field in field_list.fields:
             width = constant_width(field)
-            printed_range = _PRINTED_RANGE.fullmatch(field.printed_name)
-            if width is None:
-                continue
-            if printed_range is not None:
-                numbers_in_range = abs(int(printed_range.group("first")) - int(printed_range.group("last"))) + 1
-                if width not in (numbers_in_range, 8 * numbers_in_range):
-                    message = f"the range has {numbers_in_range} bits or bytes, but the field has {width} bits"
-                    report.add("printed-number", field.path_of("printed_name"), f"{message}; correct one of the two")
-            _check_values_in_quotes(field, width, report)
+            if width is not None:
+                _check_printed_range(field, width, report)
+                _check_values_in_quotes(field, width, report)
+
+
+def _check_printed_range(field: WrittenField, width: int, report: DocumentReport) -> None:
+    """Check that a printed range, such as ``ADD6 ... ADD0``, has as many bits or bytes as the field."""
+    printed_range = _PRINTED_RANGE.fullmatch(field.printed_name)
+    if printed_range is None:
+        return
+    numbers_in_range = abs(int(printed_range.group("first")) - int(printed_range.group("last"))) + 1
+    bits_of_bytes = 8 * numbers_in_range
+    if width not in (numbers_in_range, bits_of_bytes):
+        message = f"the range has {numbers_in_range} bits or bytes, but the field has {width} bits"
+        report.add("printed-number", field.path_of("printed_name"), f"{message}; correct one of the two")
 
 
 def _check_values_in_quotes(field: WrittenField, width: int, report: DocumentReport) -> None:
