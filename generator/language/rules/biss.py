@@ -217,11 +217,11 @@ def _contradictions_of_order(sent_fields: SentFields, path_of_name: Path, frame_
 
     A missing CRC is reported at the name of the frame.
     """
-    names = [field.name for _, field in sent_fields]
-    has_both = "error" in names and "warning" in names
-    is_warning_first = has_both and names.index("warning") < names.index("error")
+    names_as_sent = [field.name for _, field in sent_fields]
+    has_both = "error" in names_as_sent and "warning" in names_as_sent
+    is_warning_first = has_both and names_as_sent.index("warning") < names_as_sent.index("error")
     if is_warning_first:
-        path, _ = sent_fields[names.index("warning")]
+        path, _ = sent_fields[names_as_sent.index("warning")]
         problem = "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
         yield _Contradiction(path=path, path_for_erratum=f"{frame_path}.warning", problem=problem)
     has_crc = any(field.crc for _, field in sent_fields)
@@ -275,9 +275,9 @@ def _contradictions_of_crc(located_crc: LocatedPart[Crc]) -> Iterator[tuple[str,
     ``refout``).
     """
     crc = located_crc.part
-    is_valid = 0 < crc.width <= 64 and located_crc.is_valid("xorout")
+    has_valid_numbers = 0 < crc.width <= 64 and located_crc.is_valid("xorout")
     # Another rule reports a larger number as too wide.
-    if is_valid and crc.xorout < _all_ones(crc.width):
+    if has_valid_numbers and crc.xorout < _all_ones(crc.width):
         if crc.xorout in _CRC_WIDTH_BY_XOROUT:
             yield "xorout", _message_on_inverted_bits(crc)
         else:
@@ -368,13 +368,13 @@ def check_description_file(spec: WrittenSpec, report: DocumentReport) -> None:
     register = by_name(spec.registers).get("manufacturer_id")
     if biss is None or register is None or interface_name_of(register) != Biss.name:
         return
-    file_name = _DESCRIPTION_FILE.fullmatch(biss.description_file)
-    if file_name is None:
+    file_name_match = _DESCRIPTION_FILE.fullmatch(biss.description_file)
+    if file_name_match is None:
         return
-    fixed_texts = [field.equals for field in register.fields if isinstance(field.equals, str)]
-    ascii_texts = [text for text in fixed_texts if text.isascii()]
+    fixed_field_texts = [field.equals for field in register.fields if isinstance(field.equals, str)]
+    ascii_texts = [text for text in fixed_field_texts if text.isascii()]
     id_of_register = "".join(ascii_texts).encode("ascii").hex()  # 4c41 for LA.
-    id_in_file_name = file_name[1]
+    id_in_file_name = file_name_match[1]
     is_complete = len(id_of_register) == 4
     if is_complete and id_of_register != id_in_file_name.casefold():
         message = (

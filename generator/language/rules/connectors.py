@@ -55,7 +55,8 @@ class _Contact:
         return names
 
     @property
-    def is_shared(self) -> bool:
+    def may_be_on_several_contacts(self) -> bool:
+        """True for a supply, a ground or a shield."""
         return _SHAREABLE_SIGNAL.search(self.signal) is not None
 
 
@@ -77,9 +78,9 @@ class _Connector:
     def note_mentions(self, signal: str) -> bool:
         """Return True if the note names a signal, which explains that it is missing."""
         note = _normalise_signal(self.part.note)
-        signal_expression = re.escape(_normalise_signal(signal))
+        signal_pattern = re.escape(_normalise_signal(signal))
         # Neither ``clock`` nor ``a+`` counts as the signal A.
-        return re.search(rf"(?<![\w/]){signal_expression}(?![\w+-])", note) is not None
+        return re.search(rf"(?<![\w/]){signal_pattern}(?![\w+-])", note) is not None
 
     def shares_interface(self, other_connector: _Connector) -> bool:
         """Return True if two connectors or cables have an interface in common.
@@ -99,7 +100,7 @@ def check_repeated_signals(spec: WrittenSpec, report: DocumentReport) -> None:
     for connector in _collect_connectors(spec):
         earlier_contacts: list[_Contact] = []
         for contact in connector.contacts:
-            if contact.is_shared:
+            if contact.may_be_on_several_contacts:
                 continue
             contacts_with_signal = [earlier for earlier in earlier_contacts if _share_signal(contact, earlier)]
             earlier_contacts.append(contact)
@@ -119,9 +120,9 @@ def _share_signal(contact: _Contact, earlier_contact: _Contact) -> bool:
     """
     if contact.order_codes and earlier_contact.order_codes and contact.order_codes != earlier_contact.order_codes:
         return False
-    names = set(map(_normalise_signal, (*contact.main_signal_names, contact.signal)))
-    earlier_names = set(map(_normalise_signal, (*earlier_contact.main_signal_names, earlier_contact.signal)))
-    return not names.isdisjoint(earlier_names)
+    compared_names = set(map(_normalise_signal, (*contact.main_signal_names, contact.signal)))
+    earlier_compared_names = set(map(_normalise_signal, (*earlier_contact.main_signal_names, earlier_contact.signal)))
+    return not compared_names.isdisjoint(earlier_compared_names)
 
 
 def check_incomplete_pair(spec: WrittenSpec, report: DocumentReport) -> None:

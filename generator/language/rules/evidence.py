@@ -93,17 +93,17 @@ def _yield_missing_support(evidence: Evidence) -> Iterator[str]:
     grade = evidence.grade
     documents_read = evidence.documents
     implementations = evidence.implementations
-    has_source = bool(documents_read or implementations)
+    has_any_source = bool(documents_read or implementations)
     if grade == "manual" and documents_read.get("manual") != _ALL_PAGES:
         yield f"needs the whole manual: write 'documents: {{manual: {_ALL_PAGES}}}', or another grade"
     if grade == "quoted" and not documents_read:
         yield "needs a document of the manufacturer: list it under 'documents', with the pages that were read"
     if grade == "quoted" and not implementations:
         yield "needs an implementation: list it under 'implementations'"
-    if grade == "uncorroborated" and not has_source:
+    if grade == "uncorroborated" and not has_any_source:
         yield "needs a source: list it under 'documents', with the pages that were read, or under 'implementations'"
-    needed_implementations = 1 if documents_read else 2
-    if grade in _CORROBORATED_GRADES and len(implementations) < needed_implementations:
+    needed_implementation_count = 1 if documents_read else 2
+    if grade in _CORROBORATED_GRADES and len(implementations) < needed_implementation_count:
         yield "needs two sources that share no code: list them under 'implementations'"
     if grade in _GRADES_WITH_HARDWARE_DATA and not evidence.vectors:
         yield f"needs an example from real hardware: list it under 'vectors', {_ADVICE_WITHOUT_HARDWARE_DATA}"
@@ -120,13 +120,13 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
     documents_read = spec.evidence.part.documents
     implementations = spec.evidence.part.implementations
     is_corroborated = grade in _CORROBORATED_GRADES
-    can_cite_two_implementations = is_corroborated and len(implementations) > 1
-    if not documents_read and not can_cite_two_implementations:
+    two_implementations_suffice = is_corroborated and len(implementations) > 1
+    if not documents_read and not two_implementations_suffice:
         return  # Reported as missing.
     needed_sources: list[str] = []
     if documents_read:
         needed_sources.append(f"a source in {join_words(documents_read, 'or')}")
-    if can_cite_two_implementations:
+    if two_implementations_suffice:
         needed_sources.append(f"two sources among {join_words(implementations)}")
     needed_text = ", or ".join(needed_sources)
     checked_data = {**spec.data, "errata": [], "examples": []}

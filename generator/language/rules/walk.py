@@ -20,9 +20,10 @@ Data = Mapping[str, object]
 
 def mapping(root: object, *keys: str) -> Data:
     """Return the map that is reached by following ``keys`` from the map ``root``, or an empty map if there is none."""
+    node = root
     for key in keys:
-        root = root.get(key) if isinstance(root, dict) else None
-    return root if isinstance(root, dict) else {}
+        node = node.get(key) if isinstance(node, dict) else None
+    return node if isinstance(node, dict) else {}
 
 
 def maps_in_list(root: object, *keys: str) -> Iterator[tuple[Path, Data]]:
@@ -107,9 +108,9 @@ def _named_parts(elements: list[object]) -> Iterator[tuple[str, object]]:
 _TODO_MARKER = re.compile(r"\bTODO\b")
 
 
-def is_placeholder(source_text: object) -> bool:
+def is_placeholder(value: object) -> bool:
     """Return True if a value is text with the word TODO, which marks a source that is still to be added."""
-    return isinstance(source_text, str) and _TODO_MARKER.search(source_text) is not None
+    return isinstance(value, str) and _TODO_MARKER.search(value) is not None
 
 
 def placeholder_paths(root: object, path: Path = ()) -> Iterator[Path]:
