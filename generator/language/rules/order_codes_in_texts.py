@@ -120,14 +120,14 @@ def _pieces_of_pattern(order_code: WrittenOrderCode) -> list[_PatternPiece]:
     For ``X-{bits}-{output}`` these are ``("", <bits>)`` and ``("-", <output>)``: the text before the first part is
     empty, because the start of the order code is matched separately.
     """
-    parts = by_name(order_code.parts)
+    part_by_name = by_name(order_code.parts)
     # In turn, beginning and ending with literal text: "X-", "bits", "-", "output" and "".
     literals_and_names = _NAME_IN_BRACES.split(order_code.pattern)
     names_of_parts = literals_and_names[1::2]
     literals_before_parts = ("", *literals_and_names[2:-1:2])
     pieces: list[_PatternPiece] = []
     for literal_before, part_name in zip(literals_before_parts, names_of_parts, strict=True):
-        pieces.append(_PatternPiece(literal_before, _label_expression(parts.get(part_name))))
+        pieces.append(_PatternPiece(literal_before, _label_expression(part_by_name.get(part_name))))
     return pieces
 
 

@@ -95,12 +95,12 @@ def parameter_uses(spec: WrittenSpec) -> Iterator[ParameterUse]:
 
     A field of a group is yielded for each layout or register that uses the group.
     """
-    groups = by_name(spec.with_invalid_parts.field_groups)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
     layouts_and_registers = list(layouts_of_interfaces(spec))
     for register in spec.registers:
         layouts_and_registers.append(FieldList(FieldOwner.REGISTER, register, interface_name_of(register)))
     for field_list in layouts_and_registers:
-        for path, field in with_groups_expanded(field_list, groups):
+        for path, field in with_groups_expanded(field_list, group_by_name):
             yield from _with_interface(field_list.interface, _expressions_of_field(field, path))
         yield from _with_interface(field_list.interface, _expressions_of_owner(field_list))
     for name, interface in interfaces(spec):
@@ -224,24 +224,24 @@ def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> N
     Also check that parameters and examples name questions that exist, and that examples name existing answers.
     """
     resolver = NameResolver(spec, report)
-    alternatives = by_name(spec.with_invalid_parts.alternatives)
+    alternative_by_name = by_name(spec.with_invalid_parts.alternatives)
     parameters = spec.with_invalid_parts.parameters.items()
     for alternative in spec.alternatives:
         own_parameters = [name for name, parameter in parameters if parameter.alternative == alternative.name]
         _check_answers(alternative, own_parameters, resolver)
     for name, parameter in spec.parameters.items():
         path = parameter.path_of("alternative")
-        resolver.check_optional_name(path, "alternative", parameter.alternative, known_names=alternatives)
-        alternative_of_parameter = alternatives.get(parameter.alternative)
+        resolver.check_optional_name(path, "alternative", parameter.alternative, known_names=alternative_by_name)
+        alternative_of_parameter = alternative_by_name.get(parameter.alternative)
         if alternative_of_parameter is not None and not _sets_parameter(alternative_of_parameter, name):
             problem = f"no answer of {quoted(parameter.alternative)} sets {quoted(name)}"
             report.add("undefined-reference", path, problem)
     for example in spec.examples:
         for name, answer in example.alternatives.items():
             answer_path = (*example.path, "alternatives", name)
-            resolver.check_name(answer_path, "alternative", name, known_names=alternatives)
-            if name in alternatives:
-                known_answers = alternatives[name].names_in("values")
+            resolver.check_name(answer_path, "alternative", name, known_names=alternative_by_name)
+            if name in alternative_by_name:
+                known_answers = alternative_by_name[name].names_in("values")
                 noun = f"answer of {quoted(name)} called"
                 resolver.check_name(answer_path, noun, answer, known_names=known_answers)
 
@@ -281,7 +281,7 @@ def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
     Generated code can use an answer nowhere else. Answers to a question with a default affect only verdicts, so no
     expression may contain their parameters.
     """
-    alternatives = by_name(spec.with_invalid_parts.alternatives)
+    alternative_by_name = by_name(spec.with_invalid_parts.alternatives)
     alternative_by_parameter: dict[str, str] = {}  # The names of the questions by the parameters that answers set.
     for name, parameter in spec.with_invalid_parts.parameters.items():
         if parameter.alternative:
@@ -296,7 +296,7 @@ def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         parameter_name = names_set_by_answers[0]
         alternative_name = alternative_by_parameter[parameter_name]
-        alternative = alternatives.get(alternative_name)
+        alternative = alternative_by_name.get(alternative_name)
         problem = f"{quoted(parameter_name)} is set by the alternative {quoted(alternative_name)}"
         if path[-1] not in KEYS_IN_BITS:
             remedy = "use it only in 'bits' or 'low_bit' of a field"

@@ -53,7 +53,7 @@ def check_default_lists(spec: WrittenSpec, report: DocumentReport) -> None:
     A row gives the ``bytes`` of a whole register, or the ``value`` of some of its bits (``at``). An erratum explains a
     row that differs.
     """
-    registers = by_name(spec.registers)
+    register_by_name = by_name(spec.registers)
     for row in spec.printed_defaults:
         has_bytes = bool(row.bytes)
         has_place = row.at is not None
@@ -64,7 +64,7 @@ def check_default_lists(spec: WrittenSpec, report: DocumentReport) -> None:
             message = "a row has either 'bytes' for the whole register, or 'at' and 'value' for some of its bits"
             report.add("default-mismatch", row.path, message)
             continue
-        register = registers.get(row.register)
+        register = register_by_name.get(row.register)
         if register is not None:
             _check_row_of_defaults(row, register, report)
 
@@ -242,7 +242,7 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
     The key ``used`` of an erratum is its text about what applies instead of the manual. A text about bits or fields, or
     with both accesses, is not compared.
     """
-    registers = by_name(spec.registers)
+    register_by_name = by_name(spec.registers)
     is_about_bits = re.search(r"\b(?:bit|field)", erratum.used, re.IGNORECASE) is not None
     stated_accesses = set(_ACCESS_IN_WORDS.findall(erratum.used))
     if is_about_bits or len(stated_accesses) != 1:
@@ -250,9 +250,9 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
     stated_access = f"{stated_accesses.pop()}_only"
     for affected_path in erratum.affects:
         section, _, name = affected_path.partition(".")
-        if section != "registers" or name not in registers:
+        if section != "registers" or name not in register_by_name:
             continue
-        access = registers[name].access
+        access = register_by_name[name].access
         if access != stated_access:
             message = f"this says {stated_access}, but {quoted(name)} is {access}; one of the two is wrong"
             report.add("access-mismatch", erratum.path_of("used"), message)

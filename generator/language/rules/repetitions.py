@@ -241,11 +241,11 @@ def check_duplicate_field(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A decoder returns all of them by name.
     """
-    groups = by_name(spec.field_groups)
+    group_by_name = by_name(spec.field_groups)
     for field_list in field_lists(spec):
         located_names: list[LocatedValue] = []
         use_paths = {field.path for field in field_list.fields if field.use}
-        for path, field in with_groups_expanded(field_list, groups):
+        for path, field in with_groups_expanded(field_list, group_by_name):
             # A name in a group is reported at its use, because that is what makes it occur twice.
             name_path = path if path in use_paths else (*path, "name")
             located_names.append((name_path, field.name or None))  # _check_unique ignores None.

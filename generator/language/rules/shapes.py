@@ -371,9 +371,9 @@ def _check_example_of_frame(example: WrittenExample, report: DocumentReport) -> 
 
 def check_example_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure has a value for each argument of the procedure."""
-    procedures = by_name(spec.with_invalid_parts.procedures)
+    procedure_by_name = by_name(spec.with_invalid_parts.procedures)
     for example in spec.examples:
-        procedure = procedures.get(example.procedure)
+        procedure = procedure_by_name.get(example.procedure)
         if example.kind != "procedure" or procedure is None:
             continue
         missing_arguments = [name for name in by_name(procedure.arguments) if name not in example.arguments]

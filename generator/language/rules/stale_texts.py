@@ -318,12 +318,12 @@ def check_start_values(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def check_defaults(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a default in the text of an erratum, or shown by an example, is the ``default`` of its register."""
-    registers = by_name(spec.registers)
-    defaults = {name: register.default for name, register in registers.items()}
+    register_by_name = by_name(spec.registers)
+    defaults = {name: register.default for name, register in register_by_name.items()}
     for erratum in spec.errata:
         _check_number_in_erratum(erratum, _DEFAULT_OF_REGISTER, defaults, report)
     for example in spec.examples:
-        register = registers.get(example.register)
+        register = register_by_name.get(example.register)
         if register is not None and _shows_default(example):
             _check_shown_default(example, register, report)
 
