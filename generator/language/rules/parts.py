@@ -86,11 +86,11 @@ _NamedModelPart = TypeVar("_NamedModelPart", bound=NamedModelPart)
 
 def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
     """Return parts by name. Parts without a valid name are left out, and so are later parts with the same name."""
-    named_parts: dict[str, _Named] = {}
+    part_by_name: dict[str, _Named] = {}
     for part in parts:
         if part.is_valid("name"):
-            named_parts.setdefault(part.name, part)
-    return named_parts
+            part_by_name.setdefault(part.name, part)
+    return part_by_name
 
 
 def by_part_name(parts: Iterable[LocatedPart[_NamedModelPart]]) -> dict[str, LocatedPart[_NamedModelPart]]:
@@ -98,11 +98,11 @@ def by_part_name(parts: Iterable[LocatedPart[_NamedModelPart]]) -> dict[str, Loc
 
     Parts without a valid name are left out, and so are later parts with the same name.
     """
-    named_parts: dict[str, LocatedPart[_NamedModelPart]] = {}
+    part_by_name: dict[str, LocatedPart[_NamedModelPart]] = {}
     for located_part in parts:
         if located_part.is_valid("name"):
-            named_parts.setdefault(located_part.part.name, located_part)
-    return named_parts
+            part_by_name.setdefault(located_part.part.name, located_part)
+    return part_by_name
 
 
 def interfaces(spec: WrittenSpec) -> Iterator[tuple[str, WrittenInterface]]:
@@ -258,8 +258,8 @@ def keys_of_origin(parameter: WrittenParameter) -> list[str]:
 
     The list is empty if order codes set the parameter.
     """
-    origins = {"equals": parameter.equals, "read_from": parameter.read_from, "alternative": parameter.alternative}
-    return [key for key, origin in origins.items() if origin not in (None, "")]
+    origin_by_key = {"equals": parameter.equals, "read_from": parameter.read_from, "alternative": parameter.alternative}
+    return [key for key, origin in origin_by_key.items() if origin not in (None, "")]
 
 
 def clocks_of(interface: WrittenInterface) -> tuple[LocatedPart[Clock], ...]:
@@ -302,8 +302,8 @@ def measurements(spec: WrittenSpec) -> Iterator[LocatedPart[Measurement]]:
 def measurement_of(spec: WrittenSpec, interface: str) -> LocatedPart[Measurement] | None:
     """Return the measurement of an interface or, if it has none, of the device. None if there is neither."""
     if interface in spec.interfaces.data:
-        interfaces_by_name = dict(interfaces(spec))
-        own_measurement = interfaces_by_name[interface].measurement
+        interface_by_name = dict(interfaces(spec))
+        own_measurement = interface_by_name[interface].measurement
         if own_measurement is not None and own_measurement.is_given:
             return own_measurement
     return spec.measurement
@@ -330,12 +330,12 @@ class BitRange(NamedTuple):
     lowest: int
 
 
-def parse_bit_range(place: int | str | None) -> BitRange | None:
-    """Return the bits of a place such as ``7:6`` or 5, or None if it is not a place."""
-    if isinstance(place, int):
-        is_bit_of_register = 0 <= place < 1024  # No register has more bits.
-        return BitRange(place, place) if is_bit_of_register else None
-    match = _BIT_RANGE_TEXT.fullmatch(str(place))
+def parse_bit_range(bit_or_range: int | str | None) -> BitRange | None:
+    """Return the highest and lowest bit of a range such as ``7:6`` or of a single bit such as 5, otherwise None."""
+    if isinstance(bit_or_range, int):
+        is_bit_of_register = 0 <= bit_or_range < 1024  # No register has more bits.
+        return BitRange(bit_or_range, bit_or_range) if is_bit_of_register else None
+    match = _BIT_RANGE_TEXT.fullmatch(str(bit_or_range))
     if match is None:
         return None
     bit_range = BitRange(*map(int, match.groups()))

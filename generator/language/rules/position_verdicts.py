@@ -131,7 +131,7 @@ def check_combinations(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         field_by_name = fields_by_name(frame, group_by_name)
         for index, combination in enumerate(listed_combinations):
-            is_valid = _check_conditions(frame, field_by_name, combination, report)
+            is_valid = _has_valid_conditions(frame, field_by_name, combination, report)
             if not is_valid:
                 continue  # Its conditions are reported, and there may be no verdicts to compare.
             earlier_combinations = listed_combinations[:index]
@@ -140,7 +140,7 @@ def check_combinations(spec: WrittenSpec, report: DocumentReport) -> None:
                 *_verdicts_of_conditions(frame, field_by_name, combination),
                 *_verdicts_of_smaller_combinations(combination, earlier_combinations, later_combinations),
             ]
-            _check_can_decide(combination, verdicts_of_conditions, report)
+            _report_if_never_deciding(combination, verdicts_of_conditions, report)
 
 
 def check_report_names(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -166,19 +166,19 @@ def _names_of_reports(field_list: FieldList, group_by_name: Groups) -> Iterator[
 
     The value ``low`` of the field ``battery`` is reported as ``battery_low``.
     """
-    use_paths = {field.path for field in field_list.fields if field.use}
+    paths_of_included_groups = {field.path for field in field_list.fields if field.use}
     for field_path, field in with_groups_expanded(field_list, group_by_name):
         for name, value in field.values.items():
             if value.has("makes_position"):
                 # A value in a group is reported at the use of the group.
-                path = field_path if field_path in use_paths else value.path
+                path = field_path if field_path in paths_of_included_groups else value.path
                 yield path, f"{field.name}_{name}"
     if field_list.layout is not None:
         for combination in field_list.layout.combinations:
             yield combination.path_of("name"), combination.name
 
 
-def _check_conditions(
+def _has_valid_conditions(
     field_list: FieldList, field_by_name: FieldsByName, combination: WrittenCombination, report: DocumentReport
 ) -> bool:
     """Return True if all fields and values in the conditions of a combination exist and can be combined.
@@ -245,7 +245,7 @@ def _values_in_conditions(field: WrittenField) -> list[str]:
     return names
 
 
-def _check_can_decide(
+def _report_if_never_deciding(
     combination: WrittenCombination, verdicts_of_conditions: Iterable[tuple[str, str]], report: DocumentReport
 ) -> None:
     """Report a combination of values if some of its values already have the same verdict or a more severe one.
@@ -323,13 +323,13 @@ def check_default_answers(spec: WrittenSpec, report: DocumentReport) -> None:
         for field in field_list.fields:
             parameters_of_verdicts.update(field.makes_position_if)
     for alternative in spec.alternatives:
-        default = alternative.default
-        if not default:
+        default_answer = alternative.default
+        if not default_answer:
             continue
         first_answer, *_ = alternative.values
         default_path = alternative.path_of("default")
-        if default != first_answer:
-            problem = f"the default {quoted(default)} is not the first answer of {quoted(alternative.name)}"
+        if default_answer != first_answer:
+            problem = f"the default {quoted(default_answer)} is not the first answer of {quoted(alternative.name)}"
             report.add("alternative-default", default_path, f"{problem}; write {quoted(first_answer)}")
             continue
         _check_numbers_of_answers(alternative, report)
@@ -345,19 +345,20 @@ def _check_numbers_of_answers(alternative: WrittenAlternative, report: DocumentR
 
     The first answer is the default.
     """
-    for index, (name, answer) in enumerate(alternative.values.items()):
+    for index, (answer_name, answer) in enumerate(alternative.values.items()):
         is_default = index == 0
         sets_path = answer.path_of("sets")
         if len(answer.sets) > 1:
             problem = f"{quoted(alternative.name)} has a default, so its answers set one parameter"
             report.add("alternative-default", sets_path, f"{problem}; keep one, or remove 'default'")
             return
-        expected = 0 if is_default else 1
-        for parameter, value in answer.sets.items():
-            if value != expected:
-                problem = f"{quoted(name)} sets {quoted(parameter)} to {value}; the default answer must set it to 0"
-                message = f"{problem} and every other answer to 1, so write {expected}"
-                report.add("alternative-default", (*sets_path, parameter), message)
+        expected_value = 0 if is_default else 1
+        for parameter_name, value in answer.sets.items():
+            if value != expected_value:
+                setting = f"{quoted(answer_name)} sets {quoted(parameter_name)} to {value}"
+                message = f"{setting}; the default answer must set it to 0"
+                message += f" and every other answer to 1, so write {expected_value}"
+                report.add("alternative-default", (*sets_path, parameter_name), message)
 
 
 def check_verdicts_by_answer(spec: WrittenSpec, report: DocumentReport) -> None:

@@ -301,10 +301,10 @@ def _write_of_step(
     possible_fields = [field for field in register_fields if step.field in ("", field.name)]
     # The field that has the value. Without such a field, the value is an argument, whose number the caller supplies.
     fields_with_value = [field for field in possible_fields if step.value in field.values]
-    number = None
+    written_number = None
     if fields_with_value:
-        number = fields_with_value[0].values[step.value].value
-    write_of_register = _Write(register.address, last_address(register), bit=None, value=number)
+        written_number = fields_with_value[0].values[step.value].value
+    write_of_register = _Write(register.address, last_address(register), bit=None, value=written_number)
     is_value_of_register = not fields_with_value or len(register_fields) == 1
     if not step.field and is_value_of_register:
         return write_of_register
@@ -314,8 +314,8 @@ def _write_of_step(
         return None
     if step.field:
         return replace(write_of_register, bit=bit_range.lowest)
-    number_at_its_bits = (number or 0) << bit_range.lowest
-    return replace(write_of_register, value=number_at_its_bits)
+    shifted_number = (written_number or 0) << bit_range.lowest
+    return replace(write_of_register, value=shifted_number)
 
 
 _NUMBER_WORDS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
@@ -328,14 +328,14 @@ def check_register_of_argument(spec: WrittenSpec, report: DocumentReport) -> Non
     for procedure in spec.procedures:
         for argument in procedure.arguments:
             register_with_limits = argument.of
-            writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
-            written_names = [write.register for write in writes]
+            write_steps = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
+            written_register_names = [write_step.register for write_step in write_steps]
             if register_with_limits not in register_by_name:
                 continue
-            if writes and register_with_limits not in written_names:
+            if write_steps and register_with_limits not in written_register_names:
                 message = (
                     f"the limits of {quoted(argument.name)} are those of {quoted(register_with_limits)}, but a step"
-                    f" writes it to {quoted(written_names[0])}; correct one of the two"
+                    f" writes it to {quoted(written_register_names[0])}; correct one of the two"
                 )
                 report.add("argument-register", argument.path_of("of"), message)
 
