@@ -70,12 +70,13 @@ def check_plausible_rates(spec: WrittenSpec, report: DocumentReport) -> None:
 def _report_rate(rate: int, unit: str, path: Path, report: DocumentReport) -> None:
     """Report a rate that is implausibly low, with the number that is probably meant: in kHz or MHz instead of Hz."""
     rate_key = path[-1]
+    # The unit that the number probably has: 10 is more likely 10 MHz, and 100 more likely 100 kHz.
     prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
     likely_rate = rate * factor
     if unit == "baud":
         # Manuals round standard rates: 115 kbaud is 115200 baud.
-        rounded_to_rate = [standard_rate for standard_rate in _STANDARD_BAUDS if standard_rate // 1000 == rate]
-        likely_rate = rounded_to_rate[0] if rounded_to_rate else likely_rate
+        standard_rates = [standard_rate for standard_rate in _STANDARD_BAUDS if standard_rate // 1000 == rate]
+        likely_rate = standard_rates[0] if standard_rates else likely_rate
     problem = f"'{rate_key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
     remedy = f"write {likely_rate}. If the number is right, say so in a 'note' of the interface"
     report.add("implausible-rate", path, f"{problem}, {remedy}")
@@ -184,10 +185,10 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
     # Errata refer to a part of a list by its name: interfaces.ssi.monoflop.at_least_us.
     path_of_timings = timing.path[:-1]
     names_in_path = map(str, (*path_of_timings, _MONOFLOP, key))
-    affected_path = as_affected_name(".".join(names_in_path))
-    if is_explained_at(report.document, affected_path) or not time_us:
+    erratum_path = as_affected_name(".".join(names_in_path))
+    if is_explained_at(report.document, erratum_path) or not time_us:
         return
-    remedy = f"If this is what the manual says, add an erratum that affects {affected_path}"
+    remedy = f"If this is what the manual says, add an erratum that affects {erratum_path}"
     for clock in ssi.clock:
         lowest_hz = clock.part.min_hz
         if not lowest_hz or not share_order_codes(clock.part, timing.part):
@@ -345,23 +346,27 @@ def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_cable_order(
-    shorter: CableLength, row_of_longer_cable: LocatedPart[CableLength], affected_path: str, report: DocumentReport
+    shorter_cable: CableLength,
+    row_of_longer_cable: LocatedPart[CableLength],
+    affected_path: str,
+    report: DocumentReport,
 ) -> None:
     """Report the row of a longer cable if its clock limit is not lower than the limit of a shorter cable.
 
     ``affected_path`` is the path that an erratum must affect to explain it.
     """
-    longer = row_of_longer_cable.part
-    is_slower = longer.limit_hz < shorter.limit_hz or not shorter.limit_hz
-    have_same_length = longer.shorter_than_m == shorter.shorter_than_m
+    longer_cable = row_of_longer_cable.part
+    # A row without a limit, which another rule reports, has the limit 0.
+    is_slower = longer_cable.limit_hz < shorter_cable.limit_hz or not shorter_cable.limit_hz
+    have_same_length = longer_cable.shorter_than_m == shorter_cable.shorter_than_m
     if not is_slower or have_same_length:
-        limit, limit_of_shorter = (f"{row.limit_words} {row.limit_hz} Hz" for row in (longer, shorter))
+        limit, limit_of_shorter = (f"{row.limit_words} {row.limit_hz} Hz" for row in (longer_cable, shorter_cable))
         problem = (
-            f"the clock must be {limit} for cables shorter than {longer.shorter_than_m} m, but {limit_of_shorter} for"
-            f" cables shorter than {shorter.shorter_than_m} m; a longer cable needs a slower clock. If this is what the"
-            f" manual says, add an erratum that affects {affected_path}"
+            f"the clock must be {limit} for cables shorter than {longer_cable.shorter_than_m} m, but {limit_of_shorter}"
+            f" for cables shorter than {shorter_cable.shorter_than_m} m; a longer cable needs a slower clock. If this is what"
+            f" the manual says, add an erratum that affects {affected_path}"
         )
-        report.add("cable-order", (*row_of_longer_cable.path, longer.limit_key), problem)
+        report.add("cable-order", (*row_of_longer_cable.path, longer_cable.limit_key), problem)
 
 
 _NUMBER_WORDS = {"one": 1, "two": 2, "nine": 9, "ten": 10, "eleven": 11, "twelve": 12}

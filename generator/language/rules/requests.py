@@ -25,7 +25,7 @@ from .parts import (
 Exchanges = Sequence[WrittenRs485Exchange] | Sequence[WrittenSpiExchange]
 LayoutsByName = Mapping[str, WrittenLayout]
 #: Key of the frame in an exchange by its sender.
-KEYS: Mapping[str, str] = {"master": "request", "encoder": "reply"}
+_FRAME_KEY_BY_SENDER: Mapping[str, str] = {"master": "request", "encoder": "reply"}
 #: Bits of the longest SPI word. Another rule reports a longer one.
 _WIDEST_WORD = 64
 
@@ -62,26 +62,26 @@ def _frame_name(exchange: WrittenRs485Exchange | WrittenSpiExchange, frame_key: 
 
 def _check_frames_of_exchanges(exchanges: Exchanges, layout_by_name: LayoutsByName, report: DocumentReport) -> None:
     """Check that the request of each exchange is a layout that the master sends, and the reply one from the encoder."""
-    for sender, key in KEYS.items():
-        known_names = [name for name, layout in layout_by_name.items() if layout.from_ == sender]
+    for sender, frame_key in _FRAME_KEY_BY_SENDER.items():
+        known_names = [frame_name for frame_name, layout in layout_by_name.items() if layout.from_ == sender]
         for exchange in exchanges:
-            name = _frame_name(exchange, key)
-            if name and name not in known_names:
-                hint = suggest_word(name, known_names)
-                message = f"there is no layout {quoted(name)} from the {sender}{hint}"
-                report.add("undefined-reference", exchange.path_of(key), message)
+            frame_name = _frame_name(exchange, frame_key)
+            if frame_name and frame_name not in known_names:
+                hint = suggest_word(frame_name, known_names)
+                message = f"there is no layout {quoted(frame_name)} from the {sender}{hint}"
+                report.add("undefined-reference", exchange.path_of(frame_key), message)
 
 
 def _report_frame_without_exchange(
     layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport
 ) -> None:
     """Report a frame that is in no exchange, as the request of the master or as the reply of the encoder."""
-    if layout.from_ not in KEYS:
+    if layout.from_ not in _FRAME_KEY_BY_SENDER:
         return
-    key = KEYS[layout.from_]  # 'request' or 'reply'
-    names_in_exchanges = [_frame_name(exchange, key) for exchange in exchanges]
+    frame_key = _FRAME_KEY_BY_SENDER[layout.from_]  # 'request' or 'reply'
+    names_in_exchanges = [_frame_name(exchange, frame_key) for exchange in exchanges]
     if layout.name not in names_in_exchanges:
-        message = f"no exchange has {quoted(layout.name)} as its {key}; add one under 'exchanges'"
+        message = f"no exchange has {quoted(layout.name)} as its {frame_key}; add one under 'exchanges'"
         report.add(rule, layout.path, message)
 
 

@@ -288,15 +288,15 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
     steps_before_next_write = list(takewhile(lambda step: step.do != "write", later_steps))
     waits = [step for step in steps_before_next_write if step.do == "wait"]
     waits_ms = [wait.at_least_ms for wait in waits if wait.at_least_ms is not None]
-    is_polled = any(step.do == "poll" for step in steps_before_next_write)
+    polls_register = any(step.do == "poll" for step in steps_before_next_write)
     is_last_write = len(steps_before_next_write) == len(later_steps)
-    total_ms = sum(waits_ms)
+    total_wait_ms = sum(waits_ms)
     ends_without_wait = is_last_write and not waits_ms
-    if is_polled or total_ms >= needed_ms or ends_without_wait:
+    if polls_register or total_wait_ms >= needed_ms or ends_without_wait:
         return None
     if not waits_ms:
         return _ShortWait(write.path, "there is no wait here")
-    return _ShortWait(waits[0].path_of("at_least_ms"), f"the wait here is {total_ms} ms")
+    return _ShortWait(waits[0].path_of("at_least_ms"), f"the wait here is {total_wait_ms} ms")
 
 
 def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -309,27 +309,29 @@ def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:
     for procedure in spec.procedures:
         argument_names = [argument.name for argument in procedure.arguments]
         for index, step in enumerate(procedure.steps):
-            opener = register_of_step(step, register_by_name).opened_by
-            if step.do != "write" or opener is None:
+            unlocking_write = register_of_step(step, register_by_name).opened_by
+            if step.do != "write" or unlocking_write is None:
                 continue
             earlier_steps = procedure.steps[:index]
-            opening_values = [earlier.value for earlier in earlier_steps if _writes_to_opener(earlier, opener)]
-            if not opening_values:
+            unlocking_values = [
+                earlier.value for earlier in earlier_steps if _writes_to_unlocking_register(earlier, unlocking_write)
+            ]
+            if not unlocking_values:
                 continue
-            last_value = opening_values[-1]
+            last_value = unlocking_values[-1]
             # The caller of the procedure may pass the correct value as an argument.
-            if last_value != opener.value and last_value not in argument_names:
+            if last_value != unlocking_write.value and last_value not in argument_names:
                 message = (
-                    f"{quoted(step.register)} must be unlocked by writing {quoted(opener.value)} to"
-                    f" {quoted(opener.register)}, but {quoted(last_value)} was written there"
+                    f"{quoted(step.register)} must be unlocked by writing {quoted(unlocking_write.value)} to"
+                    f" {quoted(unlocking_write.register)}, but {quoted(last_value)} was written there"
                 )
                 report.add("not-opened", step.path_of("register"), message)
 
 
-def _writes_to_opener(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
+def _writes_to_unlocking_register(step: WrittenStep, unlocking_write: WrittenOpenedBy) -> bool:
     """Return True if a step writes any value to the register, or to its field, that unlocks another register."""
-    if step.do != "write" or not step.value or not opener.value:
+    if step.do != "write" or not step.value or not unlocking_write.value:
         return False
-    is_opening_register = bool(step.register) and step.register == opener.register
+    is_opening_register = bool(step.register) and step.register == unlocking_write.register
     writes_all_fields = not step.field
-    return is_opening_register and (writes_all_fields or step.field == opener.field)
+    return is_opening_register and (writes_all_fields or step.field == unlocking_write.field)
