@@ -242,7 +242,7 @@ def _map_reader(read: Reader) -> Reader:
     def read_map(value: Any, path: Path) -> Any:
         if not isinstance(value, dict):
             return None
-        read_values = {name: read(entry, (*path, name)) for name, entry in value.items()}
+        read_values = {name: read(inner_value, (*path, name)) for name, inner_value in value.items()}
         return {name: read_value for name, read_value in read_values.items() if read_value is not None}
 
     return read_map

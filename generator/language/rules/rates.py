@@ -346,7 +346,7 @@ def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_cable_order(
-    shorter_cable: CableLength,
+    shorter: CableLength,
     row_of_longer_cable: LocatedPart[CableLength],
     affected_path: str,
     report: DocumentReport,
@@ -357,13 +357,13 @@ def _check_cable_order(
     """
     longer_cable = row_of_longer_cable.part
     # A row without a limit, which another rule reports, has the limit 0.
-    is_slower = longer_cable.limit_hz < shorter_cable.limit_hz or not shorter_cable.limit_hz
-    have_same_length = longer_cable.shorter_than_m == shorter_cable.shorter_than_m
+    is_slower = longer_cable.limit_hz < shorter.limit_hz or not shorter.limit_hz
+    have_same_length = longer_cable.shorter_than_m == shorter.shorter_than_m
     if not is_slower or have_same_length:
-        limit, limit_of_shorter = (f"{row.limit_words} {row.limit_hz} Hz" for row in (longer_cable, shorter_cable))
+        limit, limit_of_shorter = (f"{row.limit_words} {row.limit_hz} Hz" for row in (longer_cable, shorter))
         problem = (
             f"the clock must be {limit} for cables shorter than {longer_cable.shorter_than_m} m, but {limit_of_shorter}"
-            f" for cables shorter than {shorter_cable.shorter_than_m} m; a longer cable needs a slower clock. If this is what"
+            f" for cables shorter than {shorter.shorter_than_m} m; a longer cable needs a slower clock. If this is what"
             f" the manual says, add an erratum that affects {affected_path}"
         )
         report.add("cable-order", (*row_of_longer_cable.path, longer_cable.limit_key), problem)

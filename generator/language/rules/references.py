@@ -295,7 +295,7 @@ def check_erratum_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     resolver = NameResolver(spec, report)
     # The possible next steps of each map or list by its id, because many errata affect the same places.
-    next_nodes_by_id: dict[int, dict[str, object]] = {}
+    node_by_step_by_id: dict[int, dict[str, object]] = {}
     for erratum in spec.errata:
         for index, affected_place in enumerate(erratum.affects):
             path = (*erratum.path, "affects", index)
@@ -308,14 +308,14 @@ def check_erratum_references(spec: WrittenSpec, report: DocumentReport) -> None:
                 continue
             node: object = spec.with_invalid_parts.data  # The map or list that the steps so far lead to.
             for step in (*outer_steps, last_step):
-                if id(node) not in next_nodes_by_id:
-                    next_nodes_by_id[id(node)] = dict(next_steps(node))
-                next_nodes = next_nodes_by_id[id(node)]
-                if step not in next_nodes:
+                if id(node) not in node_by_step_by_id:
+                    node_by_step_by_id[id(node)] = dict(next_steps(node))
+                node_by_step = node_by_step_by_id[id(node)]
+                if step not in node_by_step:
                     noun = f"place {quoted(affected_place)} in this spec: there is no"
-                    resolver.check_name(path, noun, step, known_names=next_nodes)
+                    resolver.check_name(path, noun, step, known_names=node_by_step)
                     break
-                node = next_nodes[step]
+                node = node_by_step[step]
 
 
 def check_printed_references(spec: WrittenSpec, report: DocumentReport) -> None:
