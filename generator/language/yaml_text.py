@@ -258,10 +258,11 @@ class CorrectedEvents:
                 is_in_list = container is not None and not container.is_map
                 self._open_containers.append(_Container(is_map, is_flow=bool(event.flow_style), is_in_list=is_in_list))
             elif isinstance(event, yaml.ScalarEvent) and container is not None and container.is_map:
+                # Keys and values alternate, so the event is a key after an even number of them.
                 if container.awaits_key:
                     yield from self._insert_item_end(event, container)
                     container.keys.setdefault(event.value, _line_of_event(event))
-                elif container.is_flow:
+                elif container.is_flow:  # A value in {...}, where a comma ends a text without quotes.
                     self._skip_text_after_comma(event)
                 container.node_count += 1
             elif isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)):

@@ -314,6 +314,7 @@ def _write_of_step(
         return None
     if step.field:
         return replace(write_of_register, bit=bit_range.lowest)
+    # The step writes the whole register: the other fields are 0, and the value is at the bits of its field.
     shifted_number = (written_number or 0) << bit_range.lowest
     return replace(write_of_register, value=shifted_number)
 

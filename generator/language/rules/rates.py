@@ -181,7 +181,7 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
 
     After this time without a clock edge, the encoder ends the word.
     """
-    time_us, key = _guaranteed_or_typical_us(timing)
+    time_us, key = _lowest_or_typical_us(timing)
     # Errata refer to a part of a list by its name: interfaces.ssi.monoflop.at_least_us.
     path_of_timings = timing.path[:-1]
     names_in_path = map(str, (*path_of_timings, _MONOFLOP, key))
@@ -200,19 +200,28 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
                 f" end within a word; correct one of the two. {remedy}"
             )
             report.add("monoflop", (*timing.path, key), message)
-    pauses = [other_timing for other_timing in ssi.timings if other_timing.part.name == _PAUSE]
+    _check_pauses(timing, time_us, ssi, remedy, report)
+
+
+def _check_pauses(
+    monoflop: LocatedPart[Timing], monoflop_us: int, ssi: WrittenSsi, remedy: str, report: DocumentReport
+) -> None:
+    """Report each pause between words that is shorter than the monoflop time, so that the next word comes too early.
+
+    Only pauses for the order codes of the monoflop time are compared.
+    """
+    pauses = [timing for timing in ssi.timings if timing.part.name == _PAUSE]
     for pause in pauses:
         pause_us = pause.part.at_least_us
-        if pause_us is None or not share_order_codes(pause.part, timing.part):
+        if pause_us is None or not share_order_codes(pause.part, monoflop.part):
             continue
-        if pause_us < time_us:
-            message = (
-                f"the pause of {pause_us} µs is shorter than the monoflop time of {time_us} µs; correct one of the two"
-            )
+        if pause_us < monoflop_us:
+            problem = f"the pause of {pause_us} µs is shorter than the monoflop time of {monoflop_us} µs"
+            message = f"{problem}; correct one of the two"
             report.add("monoflop", (*pause.path, "at_least_us"), f"{message}. {remedy}")
 
 
-def _guaranteed_or_typical_us(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
+def _lowest_or_typical_us(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
     """Return the guaranteed shortest time of a timing in µs or, without one, the typical time, with its key.
 
     The result is ``(None, "")`` if the timing has neither.

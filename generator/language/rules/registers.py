@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 from ...model import INTERFACES
 from ..keys_of_fields import WrittenField, WrittenPrintedDefault, WrittenRegister
 from ..keys_of_specs import WrittenErratum, WrittenSpec
-from ..problems import DocumentReport, quoted
+from ..problems import DocumentReport, Path, quoted
 from .parts import (
     BitRange,
     FieldOwner,
@@ -120,7 +120,7 @@ def _differences_of_bits(row: WrittenPrintedDefault, register: WrittenRegister) 
         yield _Difference("value", f"{name} has no 'default' that contains these bits")
     else:
         width = bit_range.highest - bit_range.lowest + 1
-        mask_of_width = (1 << width) - 1
+        mask_of_width = (1 << width) - 1  # ``width`` ones.
         default_bits = (register.default >> bit_range.lowest) & mask_of_width
         if default_bits != row.value:
             problem = f"the 'default' of {name} is {register.default:#x}, which gives {default_bits} in these bits"
@@ -379,7 +379,7 @@ def check_addresses_and_commands(spec: WrittenSpec, report: DocumentReport) -> N
     registers = by_name(spec.registers).values()
     if not registers or is_derived(report.document):
         return
-    register_addresses: set[int] = set()
+    register_addresses: set[int] = set()  # Of every byte.
     for register in registers:
         register_addresses.update(range(register.address, register.address + register.length))
     coded_values = [value for path, value in leaves_of(spec.data, report) if path[-1] in _KEYS_OF_CODES]
@@ -388,17 +388,22 @@ def check_addresses_and_commands(spec: WrittenSpec, report: DocumentReport) -> N
         is_text = path[-1] in KEYS_OF_TEXTS or path[0] == "tables"
         if not isinstance(text, str) or path[0] in SECTIONS_NOT_ABOUT_ENCODER or not is_text:
             continue
-        for match in _REGISTER_AT.finditer(text):
-            address_text = match["address"]
-            if int(address_text, 16) not in register_addresses:
-                named_register = quoted(f"register {address_text}h")
-                message = f"the text says {named_register}, but no register has this address; correct one of the two"
-                report.add("left-behind", path, message, cause=address_text)
+        _check_addresses_in_text(text, register_addresses, path, report)
         for command_code in _command_codes(text):
             if known_codes.isdisjoint(_numbers_of_code(command_code)):
                 named_command = quoted(f"command {command_code}")
                 problem = f"the text says {named_command}, but nothing here has this value"
                 report.add("left-behind", path, f"{problem}; correct one of the two", cause=command_code)
+
+
+def _check_addresses_in_text(text: str, register_addresses: set[int], path: Path, report: DocumentReport) -> None:
+    """Report each address in a text, as in ``register 4Bh``, that no register has."""
+    for match in _REGISTER_AT.finditer(text):
+        address_text = match["address"]
+        if int(address_text, 16) not in register_addresses:
+            named_register = quoted(f"register {address_text}h")
+            message = f"the text says {named_register}, but no register has this address; correct one of the two"
+            report.add("left-behind", path, message, cause=address_text)
 
 
 def _numbers_of_code(code: str) -> set[int]:
