@@ -374,10 +374,10 @@ class LayeredSpec:
     def _report_missing_place(self, target: _Target, missing_path: MissingPath) -> None:
         """Report a change of a place that does not exist, with the steps that are possible where its path ends."""
         existing_name = self._base.name_path(missing_path.existing_path)
-        parent = quoted(existing_name) if existing_name else "the spec"
+        parent_text = quoted(existing_name) if existing_name else "the spec"
         hint = suggest_word(missing_path.step, missing_path.known_steps, "known")
         missing_step = f"{quoted(missing_path.step)}{hint}"
-        message = f"there is nothing at {quoted(target.place_text)}: {parent} has no {missing_step}"
+        message = f"there is nothing at {quoted(target.place_text)}: {parent_text} has no {missing_step}"
         self._report_problem("overlay-unused", target, message)
 
     def _report_problem(self, rule: str, target: _Target, message: str) -> None:

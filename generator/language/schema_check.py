@@ -331,12 +331,12 @@ def _collect_findings(
     return list(first_finding_by_place.values())
 
 
-def _is_explained(finding: RuleFinding, findings: Sequence[RuleFinding], file_data: dict[str, Any]) -> bool:
+def _is_explained(finding: RuleFinding, all_findings: Sequence[RuleFinding], file_data: dict[str, Any]) -> bool:
     """Return True if the finding follows from another one, so that it need not be reported.
 
     This is the case for a value under a wrong key, and for the name of an interface whose own key is wrong.
     """
-    wrong_key_paths = {key_finding.path for key_finding in findings if key_finding.at_key}
+    wrong_key_paths = {key_finding.path for key_finding in all_findings if key_finding.at_key}
     if not finding.at_key and finding.path in wrong_key_paths and finding.rule != "missing-key":
         return True
     names_interface = "interface" in finding.path[-2:] or "interfaces" in finding.path[-2:]

@@ -225,9 +225,11 @@ def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> N
     """
     resolver = NameResolver(spec, report)
     alternative_by_name = by_name(spec.with_invalid_parts.alternatives)
-    parameters = spec.with_invalid_parts.parameters.items()
+    named_parameters = spec.with_invalid_parts.parameters.items()
     for alternative in spec.alternatives:
-        own_parameter_names = [name for name, parameter in parameters if parameter.alternative == alternative.name]
+        own_parameter_names = [
+            name for name, parameter in named_parameters if parameter.alternative == alternative.name
+        ]
         _check_answers(alternative, own_parameter_names, resolver)
     for name, parameter in spec.parameters.items():
         path = parameter.path_of("alternative")
@@ -286,11 +288,11 @@ def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
     for name, parameter in spec.with_invalid_parts.parameters.items():
         if parameter.alternative:
             alternative_by_parameter[name] = parameter.alternative
-    used_texts = list(expressions(spec))
+    used_expressions = list(expressions(spec))
     # The parameter under 'when', which turns Gray code on, is not an expression.
-    used_texts += [(use.path, use.text) for use in parameter_uses(spec) if use.path[-1] == "when"]
-    for path, text in used_texts:
-        used_names = [factor.parameter for factor in list_factors(text)]
+    used_expressions += [(use.path, use.text) for use in parameter_uses(spec) if use.path[-1] == "when"]
+    for path, expression_text in used_expressions:
+        used_names = [factor.parameter for factor in list_factors(expression_text)]
         names_set_by_answers = [name for name in used_names if name in alternative_by_parameter]
         if not names_set_by_answers:
             continue

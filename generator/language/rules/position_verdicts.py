@@ -417,6 +417,6 @@ def check_equal_answers(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         (first_name, first_answer), (second_name, second_answer) = answers
         if first_answer.sets and first_answer.sets == second_answer.sets:
-            names = f"{quoted(first_name)} and {quoted(second_name)}"
-            message = f"{names} set the same numbers; correct one of the two answers"
+            answer_names = f"{quoted(first_name)} and {quoted(second_name)}"
+            message = f"{answer_names} set the same numbers; correct one of the two answers"
             report.add("same-answers", second_answer.path_of("sets"), message)

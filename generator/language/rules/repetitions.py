@@ -162,16 +162,16 @@ LocatedValue = tuple[Path, object]
 
 def check_device_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a family and its file have the same name, and that no output reserves it."""
-    stem = report.document.family or family_of(report.document.file)
-    name = spec.device
-    if name and name != stem:
-        message = f"the device is called {quoted(name)}, but the file is called {quoted(stem)}"
+    family_of_file = report.document.family or family_of(report.document.file)
+    device_name = spec.device
+    if device_name and device_name != family_of_file:
+        message = f"the device is called {quoted(device_name)}, but the file is called {quoted(family_of_file)}"
         report.add("device-name", ("device",), f"{message}; use the same name for both")
-    if name in RESERVED_FAMILY_NAMES:
+    if device_name in RESERVED_FAMILY_NAMES:
         report.add(
             "device-name",
             ("device",),
-            f"{quoted(name)} is the name of {RESERVED_FAMILY_NAMES[name]}; rename the family",
+            f"{quoted(device_name)} is the name of {RESERVED_FAMILY_NAMES[device_name]}; rename the family",
         )
 
 

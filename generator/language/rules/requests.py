@@ -222,10 +222,10 @@ _KEYS_WITH_KNOWN_VALUES = ("constant", "unused", "parity_of", "crc", "use")
 
 def _check_frames_over_spi(interface: WrittenSpi, report: DocumentReport) -> None:
     """Check that each frame over SPI is in an exchange and carried as bits."""
-    for index, layout in enumerate(interface.layouts):
+    for layout_index, layout in enumerate(interface.layouts):
         is_request = layout.from_ == "master"
         # Without exchanges, the first frame can be the only one: it is read with any word.
-        if interface.exchanges or is_request or index > 0:
+        if interface.exchanges or is_request or layout_index > 0:
             _report_frame_without_exchange(layout, interface.exchanges, rule="spi-exchange", report=report)
         if layout.carried_as == "bytes":
             message = f"{quoted(layout.name)} is an SPI word, which is always carried as bits; remove 'carried_as'"

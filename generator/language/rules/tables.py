@@ -28,23 +28,23 @@ def check_edges_and_periods(spec: WrittenSpec, report: DocumentReport) -> None:
     numbers explains another ratio.
     """
     for table in spec.tables:
-        period_column = _frequency_column(table.part, "periods")
-        edge_column = _frequency_column(table.part, "edges")
-        if period_column is None or edge_column is None:
+        period_column_index = _frequency_column(table.part, "periods")
+        edge_column_index = _frequency_column(table.part, "edges")
+        if period_column_index is None or edge_column_index is None:
             continue
         numbers_of_errata = _numbers_of_errata(spec, f"tables.{table.part.name}")
         for row_index, row in enumerate(table.part.rows):
-            period_frequency = _number_in_cell(row, period_column)
-            edge_frequency = _number_in_cell(row, edge_column)
+            period_frequency = _number_in_cell(row, period_column_index)
+            edge_frequency = _number_in_cell(row, edge_column_index)
             if period_frequency is None or edge_frequency is None:
                 continue
-            period_text, edge_text = row[period_column], row[edge_column]
+            period_text, edge_text = row[period_column_index], row[edge_column_index]
             is_correct = edge_frequency == _EDGES_PER_PERIOD * period_frequency
             is_explained = {period_text, edge_text} <= numbers_of_errata
             if not is_correct and not is_explained:
                 expected_text = f"{_EDGES_PER_PERIOD} times the period frequency {period_text}"
                 message = f"the edge frequency {edge_text} is not {expected_text}"
-                path = (*table.path, "rows", row_index, edge_column)
+                path = (*table.path, "rows", row_index, edge_column_index)
                 report.add("table-arithmetic", path, f"{message}; correct one of the two")
 
 
@@ -287,19 +287,19 @@ def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
     return None
 
 
-def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: str) -> list[_CellPair]:
-    """Return the pairs of cells with numbers in a column, from the rows with the same cell in ``key_column``."""
+def _number_pairs(table: Table, earlier_table: Table, key_column_name: str, column_name: str) -> list[_CellPair]:
+    """Return the pairs of cells with numbers in a column, from the rows with the same cell in ``key_column_name``."""
     earlier_cell_by_key: dict[str, str] = {}  # The cells in the column by the cells in the key column.
     for row in earlier_table.rows:
-        key_cell = _text_of_cell(earlier_table, row, key_column)
-        earlier_cell_by_key[key_cell] = _text_of_cell(earlier_table, row, column)
+        key_cell = _text_of_cell(earlier_table, row, key_column_name)
+        earlier_cell_by_key[key_cell] = _text_of_cell(earlier_table, row, column_name)
     cell_pairs: list[_CellPair] = []
     for row_index, row in enumerate(table.rows):
-        key_cell = _text_of_cell(table, row, key_column)
+        key_cell = _text_of_cell(table, row, key_column_name)
         if key_cell in earlier_cell_by_key:
-            cell = _text_of_cell(table, row, column)
+            cell = _text_of_cell(table, row, column_name)
             earlier_cell = earlier_cell_by_key[key_cell]
-            cell_pairs.append(_CellPair(row=row_index, column=column, cell=cell, earlier_cell=earlier_cell))
+            cell_pairs.append(_CellPair(row=row_index, column=column_name, cell=cell, earlier_cell=earlier_cell))
     return [pair for pair in cell_pairs if pair.is_numeric]
 
 

@@ -269,8 +269,8 @@ def check_intervals(spec: WrittenSpec, report: DocumentReport) -> None:
     Nothing is checked if ``timings`` contains no shortest time.
     """
     rs485 = spec.interfaces.rs485
-    shortest_times = {timing.part.at_least_us for timing in rs485.timings} if rs485 is not None else set()
-    known_times_us = sorted(time_us for time_us in shortest_times if time_us is not None)
+    shortest_times_us = {timing.part.at_least_us for timing in rs485.timings} if rs485 is not None else set()
+    known_times_us = sorted(time_us for time_us in shortest_times_us if time_us is not None)
     if not known_times_us:
         return
     known_text = join_words([f"{time_us} µs" for time_us in known_times_us], "or")

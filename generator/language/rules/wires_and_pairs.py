@@ -208,7 +208,7 @@ def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
         return
     for connector in spec.connectors:
         index_by_line = _contact_index_by_line(connector.part)
-        explained_pairs = _check_statements_of_note(connector, index_by_line, report)
+        explained_pairs = _checked_pairs_of_note(connector, index_by_line, report)
         pairs = list(_differential_pairs(index_by_line))
         for pair in pairs:
             problem = _describe_unusual_order(pair, pairs)
@@ -220,15 +220,15 @@ def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("pair-order", path, message)
 
 
-def _describe_unusual_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
+def _describe_unusual_order(pair: _Pair, all_pairs: Sequence[_Pair]) -> str:
     """Return the problem of a pair whose lines are not adjacent, or not in the order of the first pair.
 
-    ``pairs`` are all pairs of the connector. The result is empty if there is no problem.
+    ``all_pairs`` are all pairs of the connector. The result is empty if there is no problem.
     """
-    usual_pair = pairs[0]
-    are_all_apart = all(other_pair.is_apart for other_pair in pairs)
+    usual_pair = all_pairs[0]
+    are_all_apart = all(other_pair.is_apart for other_pair in all_pairs)
     # If both of two pairs are apart, that is unusual as well.
-    is_apart_unusual = not are_all_apart or len(pairs) == 2
+    is_apart_unusual = not are_all_apart or len(all_pairs) == 2
     lower_line, higher_line = quoted(pair.first_line), quoted(pair.second_line)
     if pair.is_apart and is_apart_unusual:
         return f"{lower_line} and {higher_line} are not next to each other"
@@ -266,7 +266,7 @@ def _differential_pairs(index_by_line: Mapping[str, int]) -> Iterator[_Pair]:
             yield _Pair(plain_line, inverted_line, plain_index=plain_index, inverted_index=inverted_index)
 
 
-def _check_statements_of_note(
+def _checked_pairs_of_note(
     connector: LocatedPart[Connector], index_by_line: Mapping[str, int], report: DocumentReport
 ) -> list[set[int]]:
     """Return the pairs of contacts whose order the note of a connector states, and report each false statement.
