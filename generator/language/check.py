@@ -25,7 +25,7 @@ _STAND_INS: dict[str, Any] = {
     "interfaces": {},
 }
 #: Order codes and parameters of a device if they are broken.
-_NO_CODES: dict[str, Any] = {"parameters": {}, "order_code": {"pattern": "", "parts": []}}
+_EMPTY_CODES_AND_PARAMETERS: dict[str, Any] = {"parameters": {}, "order_code": {"pattern": "", "parts": []}}
 
 
 def check_document(document: Document, report: ProblemReport) -> dict[str, Any] | None:
@@ -128,8 +128,8 @@ def _check_device(schema_result: SchemaResult, document: Document, report: Probl
         recording_report.reported_paths_of_rule = []
         rule(spec, recording_report)
         reported_paths = recording_report.reported_paths_of_rule
-        reports_codes = any(path[0] in _NO_CODES for path in reported_paths)
-        if rule in FOUNDATIONS and reports_codes:
+        reports_codes_or_parameters = any(path[0] in _EMPTY_CODES_AND_PARAMETERS for path in reported_paths)
+        if rule in FOUNDATIONS and reports_codes_or_parameters:
             has_valid_codes = False
         if rule in SHAPES:
             all_removed_paths.update(path_to_remove(path) for path in reported_paths)
@@ -156,7 +156,7 @@ def _with_stand_ins(checked_data: dict[str, Any], has_valid_codes: bool, documen
     # Later maps take precedence: a stand-in is used only for a key that the data lack.
     completed_data = {"device": family, **_STAND_INS, **checked_data}
     if not has_valid_codes:
-        completed_data |= _NO_CODES
+        completed_data |= _EMPTY_CODES_AND_PARAMETERS
     interfaces = completed_data["interfaces"]
     completed_data["interfaces"] = {
         interface_name: {"layouts": [], **interface} for interface_name, interface in interfaces.items()
@@ -170,7 +170,7 @@ def with_stand_ins(file_data: Any, schema: Mapping[str, Any]) -> Any:
     ``schema`` is the schema of the same data in device files, without references.
     """
     if isinstance(file_data, list):
-        return [with_stand_ins(inner, schema.get("items", {})) for inner in file_data]
+        return [with_stand_ins(list_item, schema.get("items", {})) for list_item in file_data]
     if not isinstance(file_data, dict):
         return file_data
     schema_by_key = schema.get("properties", {})

@@ -97,8 +97,8 @@ class Document:
         The result is empty if no number is written there, such as at an alias.
         """
         line, column = self.position(path)
-        number = _INTEGER_AS_WRITTEN.match(self.line(line, self.file_of(path)), column - 1)
-        return number[1] if number is not None else ""
+        number_match = _INTEGER_AS_WRITTEN.match(self.line(line, self.file_of(path)), column - 1)
+        return number_match[1] if number_match is not None else ""
 
     def has(self, path: Path) -> bool:
         """Return True if there is a value at ``path``."""
@@ -170,12 +170,12 @@ class Document:
     def _index_of_label(self, node: list[Any], label: str) -> str | int:
         """Return the index of the first item of a list with this label, or the label if there is none."""
         if id(node) not in self._indices:
-            first_indices: dict[str, int] = {}
+            first_index_by_label: dict[str, int] = {}
             for index, list_item in enumerate(node):
                 item_label = label_of(list_item)
                 if item_label is not None:
-                    first_indices.setdefault(item_label, index)
-            self._indices[id(node)] = first_indices
+                    first_index_by_label.setdefault(item_label, index)
+            self._indices[id(node)] = first_index_by_label
         return self._indices[id(node)].get(label, label)
 
 
@@ -238,15 +238,16 @@ def resolve(root: Any, path_text: str) -> Path:
         MissingPath: A step does not exist.
     """
     path: Path = ()
+    node = root
     for step in steps_of(path_text):
-        keys_by_step = _possible_steps(root)
-        if step not in keys_by_step:
+        key_by_step = _possible_steps(node)
+        if step not in key_by_step:
             step_text = f"[{step + 1}]" if isinstance(step, int) else step
-            known_steps = [known_step for known_step in keys_by_step if isinstance(known_step, str)]
+            known_steps = [known_step for known_step in key_by_step if isinstance(known_step, str)]
             raise MissingPath(step_text, known_steps, path)
-        key = keys_by_step[step]
+        key = key_by_step[step]
         path = (*path, key)
-        root = root[key]
+        node = node[key]
     return path
 
 
@@ -259,12 +260,12 @@ def _possible_steps(node: Any) -> dict[str | int, str | int]:
         return {key: key for key in node}
     if not isinstance(node, list):
         return {}
-    steps: dict[str | int, str | int] = {index: index for index in range(len(node))}
+    key_by_step: dict[str | int, str | int] = {index: index for index in range(len(node))}
     for index, child in enumerate(node):
         label = label_of(child)
         if label:
-            steps.setdefault(label, index)
-    return steps
+            key_by_step.setdefault(label, index)
+    return key_by_step
 
 
 def named_path(root: Any, path: Path) -> Path:
@@ -273,11 +274,12 @@ def named_path(root: Any, path: Path) -> Path:
     An element without a name keeps its index. The last step need not exist yet.
     """
     named_steps: Path = ()
+    node = root
     for step in path:
-        child: Any = root[step] if isinstance(step, int) or step in root else None
+        child: Any = node[step] if isinstance(step, int) or step in node else None
         label = label_of(child) if isinstance(step, int) else None
         named_steps += (label or step,)
-        root = child
+        node = child
     return named_steps
 
 
@@ -308,7 +310,7 @@ def with_value(root: Any, marks: SourceMark, path: Path, value: Any, mark: Sourc
     """
     key = path[-1]
 
-    def put(parent: Any, parent_mark: SourceMark) -> tuple[Any, SourceMark]:
+    def put_value(parent: Any, parent_mark: SourceMark) -> tuple[Any, SourceMark]:
         new_parent = copy(parent)
         if isinstance(parent, list) and key == len(parent):
             new_parent.append(value)
@@ -316,19 +318,19 @@ def with_value(root: Any, marks: SourceMark, path: Path, value: Any, mark: Sourc
             new_parent[key] = value
         return new_parent, replace(parent_mark, children={**parent_mark.children, key: mark})
 
-    return _with_edited_parent(root, marks, path[:-1], put)
+    return _with_edited_parent(root, marks, path[:-1], put_value)
 
 
 def without_value(root: Any, marks: SourceMark, path: Path) -> tuple[Any, SourceMark]:
     """Return copies of data and marks without the value at ``path``. Later elements of its list get lower indices."""
     key = path[-1]
 
-    def remove(parent: Any, parent_mark: SourceMark) -> tuple[Any, SourceMark]:
+    def remove_value(parent: Any, parent_mark: SourceMark) -> tuple[Any, SourceMark]:
         if isinstance(parent, dict):
             return _without_key(parent, parent_mark, key)
         return _without_item(parent, parent_mark, key)
 
-    return _with_edited_parent(root, marks, path[:-1], remove)
+    return _with_edited_parent(root, marks, path[:-1], remove_value)
 
 
 def _without_key(
@@ -362,9 +364,9 @@ def _with_edited_parent(root: Any, mark: SourceMark, parent_path: Path, edit: _E
         return edit(root, mark)
     key = parent_path[0]
     new_child, new_child_mark = _with_edited_parent(root[key], mark.children[key], parent_path[1:], edit)
-    new_data = copy(root)
-    new_data[key] = new_child
-    return new_data, replace(mark, children={**mark.children, key: new_child_mark})
+    new_root = copy(root)
+    new_root[key] = new_child
+    return new_root, replace(mark, children={**mark.children, key: new_child_mark})
 
 
 def excerpt(line_text: str, column: int, width: int = 80) -> list[str]:
@@ -386,10 +388,10 @@ def _visible_character(character: str) -> str:
         return character
     if character == "\t":
         return "\\t"
-    code = ord(character)
-    if code < 0x100:
-        return f"\\x{code:02x}"
-    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
+    code_point = ord(character)
+    if code_point < 0x100:
+        return f"\\x{code_point:02x}"
+    return f"\\u{code_point:04x}" if code_point < 0x10000 else f"\\U{code_point:08x}"
 
 
 def _measure_columns(text: str) -> int:

@@ -74,11 +74,11 @@ def find_files(
     """
     search = _Search(outputs, most_names)
     search.run(folder)
-    specs = {path for path in search.files if is_spec(path)}
-    other_files = (path for path in search.files if path not in specs and path.name != CONFIGURATION)
+    spec_paths = {path for path in search.files if is_spec(path)}
+    other_files = (path for path in search.files if path not in spec_paths and path.name != CONFIGURATION)
     not_entered = tuple(sorted(search.not_entered))
     return FoundFiles(
-        specs=tuple(sorted(specs)),
+        specs=tuple(sorted(spec_paths)),
         passed_over=tuple(sorted(other_files)),
         not_entered=not_entered,
         is_complete=search.is_complete,
@@ -112,9 +112,9 @@ class _Search:
         while folders:
             folder = folders.popleft()
             entries = self._list_entries(folder)
-            names = {folder_entry.name for folder_entry in entries}
+            names_in_folder = {folder_entry.name for folder_entry in entries}
             # The root is searched even if it is an environment or a repository.
-            if folder != root and self._is_left_out(folder, names):
+            if folder != root and self._is_left_out(folder, names_in_folder):
                 continue
             self._names_left -= len(entries)
             if self._names_left < 0:
@@ -215,20 +215,20 @@ def top_keys(path: Path) -> frozenset[str] | None:
         return None
     # Specs are not UTF-16, but such a file must be rejected and not skipped. Without its NULs and its byte order mark,
     # the keys are found.
-    text = content.replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe")
-    text = re.sub(rb"\r\n?", b"\n", text)
-    first_content = _FIRST_CONTENT_LINE.search(text)
-    if first_content is None:
+    plain_text = content.replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe")
+    plain_text = re.sub(rb"\r\n?", b"\n", plain_text)
+    first_content_line = _FIRST_CONTENT_LINE.search(plain_text)
+    if first_content_line is None:
         return frozenset()
-    is_json = first_content[0].endswith(b"{")
+    is_json = first_content_line[0].endswith(b"{")
     if is_json:
         key_pattern = _KEY_WITH_COLON
     else:
         # Keys at the top level have the same indentation as the first one.
         # A line break is found faster than the beginning of a line.
-        indentation = first_content[1]
+        indentation = first_content_line[1]
         key_pattern = rb"\n" + re.escape(indentation) + _KEY_WITH_COLON
-    keys = re.findall(key_pattern, b"\n" + text, re.MULTILINE)
+    keys = re.findall(key_pattern, b"\n" + plain_text, re.MULTILINE)
     return frozenset(key.decode() for key in keys)
 
 
@@ -257,15 +257,15 @@ def spec_files(paths: Sequence[Path]) -> Iterator[Path]:
         yield from find_files(path).specs if is_folder(path) else (path,)
 
 
-def family_files(spec: Path, names_in: Callable[[Path], Iterable[str]] = os.listdir) -> list[Path]:
+def family_files(spec_path: Path, names_in: Callable[[Path], Iterable[str]] = os.listdir) -> list[Path]:
     """Return the paths of all files on which the model of a family may depend.
 
     These are the files with its name and any suffixes, such as ``x24.second.yaml``, and the manufacturer file, which
     need not exist. ``names_in`` returns the names in a folder.
     """
-    file_names = sorted(name for name in names_in(spec.parent) if name.startswith(f"{spec.stem}."))
-    files = [spec.with_name(name) for name in file_names]
-    return [*files, spec.with_name(MANUFACTURER)]
+    file_names = sorted(name for name in names_in(spec_path.parent) if name.startswith(f"{spec_path.stem}."))
+    family_paths = [spec_path.with_name(name) for name in file_names]
+    return [*family_paths, spec_path.with_name(MANUFACTURER)]
 
 
 #: Suffix of a second reading, next to the file that it belongs to: ``encoder.second.yaml``.

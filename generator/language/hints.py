@@ -24,7 +24,7 @@ _BASE_UNIT_AND_POWER = {
 _PREFIXED_UNITS = {"hz": "Hz", "baud": "baud"}
 _LIKELY_KILO = 50
 #: Forms of keys with a value other than true or false.
-_FORMS_OF_KEYS = {"gray": "{of: position}"}
+_EXAMPLE_MAPS = {"gray": "{of: position}"}
 #: Alternatives for a value that does not fit the smallest supported unit.
 _ALTERNATIVES_TO_UNIT = {"step_nm": ": write the length of several counts, and their number in 'per_counts'"}
 #: Hints for a list under a key that takes a single map.
@@ -188,10 +188,10 @@ def value_hint(key: str, wrong_value: Any, schema: Mapping[str, Any]) -> str:
         return ""
     (required_key,) = required_keys
     if isinstance(wrong_value, bool):
-        form = _FORMS_OF_KEYS.get(key, f"{{{required_key}: NAME}}")
+        example_map = _EXAMPLE_MAPS.get(key, f"{{{required_key}: NAME}}")
     else:
-        form = f"{{{required_key}: {wrong_value}}}"
-    return f"; write '{key}: {form}'"
+        example_map = f"{{{required_key}: {wrong_value}}}"
+    return f"; write '{key}: {example_map}'"
 
 
 def word_hint(key: str, wrong_word: Any) -> str:
@@ -232,8 +232,8 @@ def foreign_key_hint(
     # A type such as uint16_t gives the length or the number of bits.
     type_bits = _TYPE_BITS.fullmatch(str(value_of_key).lower())
     if type_bits is not None:
-        bits = int(type_bits[1] or type_bits[2])  # The group for uint16_t or the group for u16 is empty.
-        number = bits // 8 if key_of_language == "length" else bits
+        bit_count = int(type_bits[1] or type_bits[2])  # The group for uint16_t or the group for u16 is empty.
+        number = bit_count // 8 if key_of_language == "length" else bit_count
         return f"; write '{key_of_language}: {number}'"
     return f"; it is called '{key_of_language}' here"
 
@@ -295,6 +295,7 @@ def _larger_unit_hint(unit: str, fraction: float) -> str:
 
     ``unit`` is ``hz`` or ``baud``.
     """
+    # The prefix and its power of ten.
     prefix, power = ("k", 3) if fraction >= _LIKELY_KILO else ("M", 6)
     # From the shortest decimal form: 2.1 means 21/10, not the nearest binary fraction.
     converted = Fraction(str(fraction)) * 10**power
@@ -308,8 +309,9 @@ def _hint_on_length_of_step(micrometres: float) -> str:
     nanometres = Fraction(str(micrometres)) * 1000
     if nanometres.denominator == 1:
         return f"; write 'step_nm: {nanometres}'"
-    length = nanometres.limit_denominator(_MOST_COUNTS)
-    example = f"such as 'step_nm: {length.numerator}' with 'per_counts: {length.denominator}'"
+    # ``numerator`` nanometres are the length of ``denominator`` steps.
+    length_per_steps = nanometres.limit_denominator(_MOST_COUNTS)
+    example = f"such as 'step_nm: {length_per_steps.numerator}' with 'per_counts: {length_per_steps.denominator}'"
     return f"; write the length of several steps in nanometres, and their number in 'per_counts', {example}"
 
 
@@ -322,8 +324,8 @@ def _polynomial_hint(polynomial_text: str) -> str:
     width = max(powers)
     if width > 64:
         return ""
-    poly = sum(1 << power for power in powers if power != width)
-    return f"; write {poly:#x}, which omits x^{width}, and 'width: {width}'"
+    polynomial_bits = sum(1 << power for power in powers if power != width)
+    return f"; write {polynomial_bits:#x}, which omits x^{width}, and 'width: {width}'"
 
 
 def polynomial_powers(polynomial_text: str) -> set[int]:
@@ -395,8 +397,8 @@ def _key_with_best_unit(keys: list[str], value_of_key: Any, unit: str) -> str:
     """
 
     def power_of_unit(known_key: str) -> int:
-        _, power = _BASE_UNIT_AND_POWER[_unit_of_key(known_key)]
-        return power
+        _, power_of_ten = _BASE_UNIT_AND_POWER[_unit_of_key(known_key)]
+        return power_of_ten
 
     largest_unit_first = sorted(keys, key=power_of_unit, reverse=True)
     for known_key in largest_unit_first:
@@ -432,9 +434,9 @@ def _convert_number(number: Fraction, unit: str, target_unit: str) -> int | None
     """Return the number in another unit of the same kind, or None if the kind differs or the result is not whole."""
     if unit not in _BASE_UNIT_AND_POWER or target_unit not in _BASE_UNIT_AND_POWER:
         return None
-    base_unit, power = _BASE_UNIT_AND_POWER[unit]
-    target_base_unit, target_power = _BASE_UNIT_AND_POWER[target_unit]
+    base_unit, power_of_ten = _BASE_UNIT_AND_POWER[unit]
+    target_base_unit, target_power_of_ten = _BASE_UNIT_AND_POWER[target_unit]
     if base_unit != target_base_unit:
         return None
-    converted = number * Fraction(10) ** (power - target_power)
+    converted = number * Fraction(10) ** (power_of_ten - target_power_of_ten)
     return int(converted) if converted.denominator == 1 else None

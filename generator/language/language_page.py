@@ -16,7 +16,7 @@ from ..say.text import anchor_of, code_span, escape, markdown_link, table, wrap_
 from .problems import join_words
 from .schemas import NO_FACTS, ONLY_SECOND, PROSE, load_schema
 
-Shape = Mapping[str, Any]
+JsonSchema = Mapping[str, Any]
 #: Largest number of entries of a list or mapping, unless its description gives another limit.
 _MOST_ENTRIES = 2000
 #: The JSON types, in the singular and in the plural.
@@ -82,7 +82,7 @@ _OTHER_PAGES = {
         | {"places", "place", "edition_test"},
     ),
 }
-_PAGE_OF = {name: page for page, (_, names) in _OTHER_PAGES.items() for name in names}
+_PAGE_BY_DEFINITION = {name: page for page, (_, names) in _OTHER_PAGES.items() for name in names}
 
 _OTHER_FILES_TITLE = "Manufacturer file, overlay and second reading"
 _MADE_FROM = "<!-- Made from generator/language/*.schema.json by: make spec-page -->"
@@ -102,23 +102,27 @@ Only a second reading has these keys:
 
 def spec_pages() -> dict[str, str]:
     """Return the pages of ``docs/transcribe`` about the spec language, by file name."""
-    device = load_schema("device")
-    names = _definitions_in_order(device)
-    first = [
+    device_schema = load_schema("device")
+    definition_names = _definitions_in_order(device_schema)
+    first_page_parts = [
         "# The spec language, version 1",
         _INTRODUCTION.format(most=_MOST_ENTRIES),
-        _list_of_pages(names),
+        _list_of_pages(definition_names),
         "## The device file",
-        wrap_markdown(escape(device["description"])),
-        _format_table(device, device["$defs"]),
-        *_describe_definitions(FIRST_PAGE, names, device["$defs"]),
+        wrap_markdown(escape(device_schema["description"])),
+        _format_table(device_schema, device_schema["$defs"]),
+        *_describe_definitions(FIRST_PAGE, definition_names, device_schema["$defs"]),
     ]
-    pages = {FIRST_PAGE: first}
+    parts_by_page = {FIRST_PAGE: first_page_parts}
     for page, (title, _) in _OTHER_PAGES.items():
-        pages[page] = [f"# {title}", _LINK_TO_FIRST_PAGE, *_describe_definitions(page, names, device["$defs"])]
-    pages[_OTHER_FILES] = _other_files()
+        parts_by_page[page] = [
+            f"# {title}",
+            _LINK_TO_FIRST_PAGE,
+            *_describe_definitions(page, definition_names, device_schema["$defs"]),
+        ]
+    parts_by_page[_OTHER_FILES] = _other_files()
     # The parts of a page are separated by empty lines.
-    return {page: "\n\n".join([_MADE_FROM, *parts]).rstrip() + "\n" for page, parts in pages.items()}
+    return {page: "\n\n".join([_MADE_FROM, *parts]).rstrip() + "\n" for page, parts in parts_by_page.items()}
 
 
 def _list_of_pages(names: Iterable[str]) -> str:
@@ -132,28 +136,28 @@ def _list_of_pages(names: Iterable[str]) -> str:
     return "\n".join([introduction, "", *list_items])
 
 
-def _describe_definitions(page: str, names: Iterable[str], definitions: Shape) -> Iterator[str]:
+def _describe_definitions(page: str, names: Iterable[str], definitions: JsonSchema) -> Iterator[str]:
     """Yield the sections on the definitions that a page describes."""
     for name in names:
-        if _PAGE_OF.get(name, FIRST_PAGE) == page:
+        if _PAGE_BY_DEFINITION.get(name, FIRST_PAGE) == page:
             yield from _describe_definition(name, definitions[name], definitions)
 
 
 def _other_files() -> list[str]:
     """Return the page on all files other than the device file."""
-    manufacturer = load_schema("manufacturer")
-    overlay = load_schema("overlay")
+    manufacturer_schema = load_schema("manufacturer")
+    overlay_schema = load_schema("overlay")
     return [
         f"# {_OTHER_FILES_TITLE}",
         _LINK_TO_FIRST_PAGE,
         "## The manufacturer file",
-        wrap_markdown(escape(manufacturer["description"])),
+        wrap_markdown(escape(manufacturer_schema["description"])),
         "It is in the same folder as the device files and is called `manufacturer.yaml`.",
-        _format_table(manufacturer, {}),
+        _format_table(manufacturer_schema, {}),
         "## The overlay",
-        wrap_markdown(escape(overlay["description"])),
+        wrap_markdown(escape(overlay_schema["description"])),
         "See [Overlays](how-to-revise.md#overlays-facts-from-outside-the-manual) for an example.",
-        _format_table(overlay, overlay["$defs"]),
+        _format_table(overlay_schema, overlay_schema["$defs"]),
         "## The second reading",
         _SECOND_READING_INTRODUCTION.format(
             prose=_as_code(PROSE), lists=_as_code(NO_FACTS), only=_keys_of_second_readings()
@@ -171,124 +175,124 @@ def _as_code(words: Iterable[str]) -> str:
     return "\n".join(lines)
 
 
-def _definitions_in_order(schema: Shape) -> list[str]:
+def _definitions_in_order(schema: JsonSchema) -> list[str]:
     """Return the names of the definitions, each once, in the order of their first use on the page.
 
     A definition comes before the definitions that it uses.
     """
-    names: list[str] = []
+    definition_names: list[str] = []
 
-    def add_names(shape: Any) -> None:
-        if isinstance(shape, Mapping):
-            name = _definition_name(shape)
-            if name and name not in names:
-                names.append(name)
+    def add_names(schema_or_list: Any) -> None:
+        if isinstance(schema_or_list, Mapping):
+            name = _definition_name(schema_or_list)
+            if name and name not in definition_names:
+                definition_names.append(name)
                 add_names(schema["$defs"][name])
-            for key, inner in shape.items():
+            for key, inner in schema_or_list.items():
                 if key != "$defs":
                     add_names(inner)
-        elif isinstance(shape, list):
-            for inner in shape:
+        elif isinstance(schema_or_list, list):
+            for inner in schema_or_list:
                 add_names(inner)
 
     add_names(schema)
-    return names
+    return definition_names
 
 
-def _describe_definition(name: str, shape: Shape, definitions: Shape) -> Iterator[str]:
+def _describe_definition(name: str, schema: JsonSchema, definitions: JsonSchema) -> Iterator[str]:
     """Yield the paragraphs of the section on a definition of the schema: its meaning, then its keys or its type.
 
-    ``shape`` is the definition, a part of a JSON Schema.
+    ``schema`` is the definition, a part of a JSON Schema.
     """
     yield anchor_of(name)
     yield f"### {code_span(name)}"
-    yield wrap_markdown(escape(shape.get("description", "")))
-    if "properties" in shape:
-        yield _format_table(shape, definitions)
+    yield wrap_markdown(escape(schema.get("description", "")))
+    if "properties" in schema:
+        yield _format_table(schema, definitions)
     else:
-        type_text = _describe_type(shape)
-        limits = _describe_limits(shape)
+        type_text = _describe_type(schema)
+        limits = _describe_limits(schema)
         capitalized_type = type_text[0].upper() + type_text[1:]
         yield f"{capitalized_type}: {limits}." if limits else f"{capitalized_type}."
 
 
-def _format_table(shape: Shape, definitions: Shape) -> str:
+def _format_table(schema: JsonSchema, definitions: JsonSchema) -> str:
     """Return the table of the keys of a shape, which is a part of a JSON Schema."""
-    return table(["Key", "", "Value", "Meaning"], _yield_rows(shape, definitions))
+    return table(["Key", "", "Value", "Meaning"], _yield_rows(schema, definitions))
 
 
-def _definition_name(shape: Shape) -> str:
+def _definition_name(schema: JsonSchema) -> str:
     """Return the name of the definition that a shape refers to in ``$ref``, or an empty string."""
-    return str(shape.get("$ref", "")).removeprefix("#/$defs/")
+    return str(schema.get("$ref", "")).removeprefix("#/$defs/")
 
 
-def _yield_rows(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
-    """Yield a row of the table of keys for each key of a shape, a part of a JSON Schema.
+def _yield_rows(schema: JsonSchema, definitions: JsonSchema, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
+    """Yield a row of the table of keys for each key of a schema, which is a JSON Schema or a part of one.
 
     A row contains the key, ``required`` or nothing, the type with its limits, and the meaning. Rows for inner keys
     follow, unless these have a section of their own. They have a prefix: ``clock.``, ``steps[].`` for elements of a
     list, ``<name>.`` for values in a map of names.
     """
-    required_keys = shape.get("required", ())
-    for name, inner in shape.get("properties", {}).items():
-        limits = _describe_limits(inner)
-        type_and_limits = f"{_describe_type(inner)}, {limits}" if limits else _describe_type(inner)
-        definition = definitions.get(_definition_name(inner), {})
-        meaning = inner.get("description") or definition.get("description", "")
-        required_text = "required" if name in required_keys else ""
-        yield code_span(prefix + name), required_text, type_and_limits, escape(meaning)
-        is_one_or_more = "properties" in inner and "items" in inner
+    required_keys = schema.get("required", ())
+    for key, schema_of_key in schema.get("properties", {}).items():
+        limits = _describe_limits(schema_of_key)
+        type_and_limits = f"{_describe_type(schema_of_key)}, {limits}" if limits else _describe_type(schema_of_key)
+        definition = definitions.get(_definition_name(schema_of_key), {})
+        meaning = schema_of_key.get("description") or definition.get("description", "")
+        required_text = "required" if key in required_keys else ""
+        yield code_span(prefix + key), required_text, type_and_limits, escape(meaning)
+        is_one_or_more = "properties" in schema_of_key and "items" in schema_of_key
         if not is_one_or_more:  # Otherwise, the section of its items lists the keys.
-            yield from _yield_rows(inner, definitions, f"{prefix}{name}.")
-        yield from _yield_rows(inner.get("items", {}), definitions, f"{prefix}{name}[].")
-    value_shape = shape.get("additionalProperties")
-    if isinstance(value_shape, Mapping) and "properties" in value_shape:
-        yield from _yield_rows(value_shape, definitions, f"{prefix}<name>.")
+            yield from _yield_rows(schema_of_key, definitions, f"{prefix}{key}.")
+        yield from _yield_rows(schema_of_key.get("items", {}), definitions, f"{prefix}{key}[].")
+    value_schema = schema.get("additionalProperties")
+    if isinstance(value_schema, Mapping) and "properties" in value_schema:
+        yield from _yield_rows(value_schema, definitions, f"{prefix}<name>.")
 
 
-def _describe_type(shape: Shape, plural: bool = False) -> str:
+def _describe_type(schema: JsonSchema, plural: bool = False) -> str:
     """Return the type of a value in words, such as ``list of numbers``, or as a link if it has a section of its own.
 
-    ``shape`` is the JSON Schema of the value. With ``plural``, the words are in the plural.
+    ``schema`` is the JSON Schema of the value. With ``plural``, the words are in the plural.
     """
-    reference = _definition_name(shape)
+    reference = _definition_name(schema)
     if reference:
-        return markdown_link(code_span(reference), f"{_PAGE_OF.get(reference, FIRST_PAGE)}#{reference}")
-    if "const" in shape:
-        return code_span(json.dumps(shape["const"]))
-    if "enum" in shape:
-        return ", ".join(code_span(value) for value in shape["enum"])
-    if not shape.keys() - {"description"}:
+        return markdown_link(code_span(reference), f"{_PAGE_BY_DEFINITION.get(reference, FIRST_PAGE)}#{reference}")
+    if "const" in schema:
+        return code_span(json.dumps(schema["const"]))
+    if "enum" in schema:
+        return ", ".join(code_span(value) for value in schema["enum"])
+    if not schema.keys() - {"description"}:
         return "any value"
-    types = shape.get("type", "string")
-    if "items" in shape:
+    json_types = schema.get("type", "string")
+    if "items" in schema:
         list_noun = "lists" if plural else "list"
-        list_text = f"{list_noun} of {_describe_type(shape['items'], plural=True)}"
-        can_be_single = types != "array"
-        return f"{_describe_type(shape['items'])}, or {list_text}" if can_be_single else list_text
-    value_shape = shape.get("additionalProperties")
-    if isinstance(value_shape, Mapping):
+        list_text = f"{list_noun} of {_describe_type(schema['items'], plural=True)}"
+        can_be_single = json_types != "array"
+        return f"{_describe_type(schema['items'])}, or {list_text}" if can_be_single else list_text
+    value_schema = schema.get("additionalProperties")
+    if isinstance(value_schema, Mapping):
         map_noun = "mappings" if plural else "mapping"
-        return f"{map_noun} of names to {_describe_type(value_shape, plural=True)}"
-    type_names = [types] if isinstance(types, str) else types
-    return join_words([_NOUNS_OF_JSON_TYPES[type_name][plural] for type_name in type_names], "or")
+        return f"{map_noun} of names to {_describe_type(value_schema, plural=True)}"
+    names_of_types = [json_types] if isinstance(json_types, str) else json_types
+    return join_words([_NOUNS_OF_JSON_TYPES[name_of_type][plural] for name_of_type in names_of_types], "or")
 
 
-def _describe_limits(shape: Shape) -> str:
+def _describe_limits(schema: JsonSchema) -> str:
     """Return the limits of a value in words, such as ``0 to 255, not empty``, or an empty string.
 
     The usual largest number of entries is not mentioned.
     """
     limit_texts = []
-    if "minimum" in shape or "maximum" in shape:
-        limit_texts.append(_range_in_words(shape.get("minimum"), shape.get("maximum")))
-    if "pattern" in shape:
-        limit_texts.append(f"pattern {code_span(shape['pattern'])}")
-    if shape.get("maxLength"):
-        limit_texts.append(f"at most {shape['maxLength']} characters")
-    if shape.get("minItems", 0) > 0:
+    if "minimum" in schema or "maximum" in schema:
+        limit_texts.append(_range_in_words(schema.get("minimum"), schema.get("maximum")))
+    if "pattern" in schema:
+        limit_texts.append(f"pattern {code_span(schema['pattern'])}")
+    if schema.get("maxLength"):
+        limit_texts.append(f"at most {schema['maxLength']} characters")
+    if schema.get("minItems", 0) > 0:
         limit_texts.append("not empty")
-    max_entries = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
+    max_entries = schema.get("maxItems", schema.get("maxProperties", _MOST_ENTRIES))
     if max_entries != _MOST_ENTRIES:
         noun = "entry" if max_entries == 1 else "entries"
         limit_texts.append(f"at most {max_entries} {noun}")

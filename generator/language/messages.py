@@ -121,15 +121,15 @@ _NO_PROSE = "; a second reading does not have this part; leave it out"
 class RuleFinding:
     """A problem with its rule, place and message.
 
-    ``at_key`` is set if the key is wrong, not its value. ``alone`` is set if the parent can still be used, as with an
-    extra key or missing prose.
+    ``at_key`` is set if the key is wrong, not its value. ``is_rest_usable`` is set if the parent can still be used, as
+    with an extra key or missing prose.
     """
 
     rule: str
     path: Path
     message: str
     at_key: bool = False
-    alone: bool = False
+    is_rest_usable: bool = False
 
 
 def explain(error: Any, file_kind: str) -> Iterator[RuleFinding]:
@@ -178,7 +178,7 @@ def _findings_on_unknown_keys(error: Any, path: Path, file_kind: str) -> Iterato
         hint = _NO_PROSE if is_prose_in_second_reading else _key_hint(error, path, key)
         is_rest_usable = is_prose_in_second_reading or not hint
         message = f"unknown key {quoted(key)}{hint or _suggest_key(error, key)}"
-        yield RuleFinding("unknown-key", (*path, key), message, at_key=True, alone=is_rest_usable)
+        yield RuleFinding("unknown-key", (*path, key), message, at_key=True, is_rest_usable=is_rest_usable)
 
 
 def _key_hint(error: Any, path: Path, key: str) -> str:
@@ -222,7 +222,7 @@ def _findings_on_missing_keys(error: Any, path: Path, file_kind: str) -> Iterato
     message = "; ".join([missing_keys_message(missing_keys, _owner_in_words(error, path, file_kind)), *hints])
     is_only_prose = not misspelt_keys and WORDS_ONLY.issuperset(missing_keys)
     is_in_named_map = bool(path) and isinstance(path[-1], str)
-    yield RuleFinding("missing-key", path, message, at_key=is_in_named_map, alone=is_only_prose)
+    yield RuleFinding("missing-key", path, message, at_key=is_in_named_map, is_rest_usable=is_only_prose)
 
 
 def _is_misspelt(error: Any, required_key: str) -> bool:
@@ -287,20 +287,20 @@ def _explain_type(error: Any, subject: str) -> _RuleMessage:
     ``subject`` is the text for the value in the message: its key in quotes, or ``an item of`` its list.
     """
     value = error.instance
-    types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
+    accepted_types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
     key = str(error.absolute_path[-1]) if error.absolute_path else ""
-    number_or_text = _NUMBER_OR_TEXT.get(key) if len(types) > 1 else None
-    accepted = number_or_text or join_words([_JSON_TYPES_IN_WORDS[name] for name in types], "or")
+    number_or_text = _NUMBER_OR_TEXT.get(key) if len(accepted_types) > 1 else None
+    accepted_text = number_or_text or join_words([_JSON_TYPES_IN_WORDS[name] for name in accepted_types], "or")
     if value is None:
-        return _RuleMessage("wrong-type", f"{subject} has no value; it must be {accepted}")
+        return _RuleMessage("wrong-type", f"{subject} has no value; it must be {accepted_text}")
     hint = ""
-    if number_or_text or types == ["integer"]:
+    if number_or_text or accepted_types == ["integer"]:
         hint = number_hint(key, value)
-    elif "string" in types and isinstance(value, (int, float)):
+    elif "string" in accepted_types and isinstance(value, (int, float)):
         hint = _hint_for_text(error)
     if not hint:
         hint = value_hint(key, value, error.schema)
-    return _RuleMessage("wrong-type", f"{subject} must be {accepted}, not {quoted(value)}{hint}")
+    return _RuleMessage("wrong-type", f"{subject} must be {accepted_text}, not {quoted(value)}{hint}")
 
 
 def _hint_for_text(error: Any) -> str:
@@ -350,13 +350,13 @@ def _explain_pattern(error: Any, subject: str) -> _RuleMessage:
 
 def _explain_range(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a number outside its bounds, of which one may be missing."""
-    low, high = error.schema.get("minimum"), error.schema.get("maximum")
-    if low is None:
-        bounds = f"at most {high}"
-    elif high is None:
-        bounds = f"at least {low}"
+    minimum, maximum = error.schema.get("minimum"), error.schema.get("maximum")
+    if minimum is None:
+        bounds = f"at most {maximum}"
+    elif maximum is None:
+        bounds = f"at least {minimum}"
     else:
-        bounds = f"from {low} to {high}"
+        bounds = f"from {minimum} to {maximum}"
     return _RuleMessage("out-of-range", f"{subject} is {quoted(error.instance)}; it must be {bounds}")
 
 
@@ -373,11 +373,11 @@ def _explain_empty(error: Any, subject: str) -> _RuleMessage:
 
 def _explain_too_few(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a list or map with too few entries."""
-    count = len(error.instance)
-    min_count = error.validator_value
-    if min_count > 1:
-        noun = "entry" if count == 1 else "entries"
-        return _RuleMessage("too-short", f"{subject} has {count or 'no'} {noun}; it needs at least {min_count}")
+    entry_count = len(error.instance)
+    least_count = error.validator_value
+    if least_count > 1:
+        noun = "entry" if entry_count == 1 else "entries"
+        return _RuleMessage("too-short", f"{subject} has {entry_count or 'no'} {noun}; it needs at least {least_count}")
     return _RuleMessage("too-short", f"{subject} is empty; it needs at least one entry")
 
 

@@ -182,20 +182,20 @@ class LayeredSpec:
             if layer.document.file != self._base.file:  # The layer of an edition is in the spec itself.
                 self._other_files[layer.document.file] = layer.document.lines
             self._add_documents(layer)
-            for number in range(len(layer.changes)):
-                kind = self._kind_of_change(layer, number)
-                if kind is None:
+            for change_number in range(len(layer.changes)):
+                change_kind = self._kind_of_change(layer, change_number)
+                if change_kind is None:
                     continue
-                change = _Change(layer, number, kind)
+                change = _Change(layer, change_number, change_kind)
                 if self._has_value(change):
                     self._apply_change(change)
 
     def _kind_of_change(self, layer: OverlayLayer, number: int) -> str | None:
         """Return the kind of a change. If it has no kind or several, report it and return None."""
-        kinds = [kind for kind in CHANGE_KINDS if kind in layer.changes[number]]
-        if len(kinds) == 1:
-            return kinds[0]
-        problem = f"has {' and '.join(map(quoted, kinds))}" if kinds else "does nothing"
+        given_kinds = [kind for kind in CHANGE_KINDS if kind in layer.changes[number]]
+        if len(given_kinds) == 1:
+            return given_kinds[0]
+        problem = f"has {' and '.join(map(quoted, given_kinds))}" if given_kinds else "does nothing"
         message = f"this change {problem}; use exactly one of 'set', 'add', 'remove', 'unknown' and 'also'"
         self._report.add("overlay-change", layer.document, (*layer.path, number), message)
         return None
@@ -320,9 +320,8 @@ class LayeredSpec:
         affected = as_affected(self._data, path)
         affected_parent = as_affected(self._data, path[:-1])
         self._data, self._marks = without_value(self._data, self._marks, path)
-        has_remaining_value = bool(
-            ErratumTargets(self._data).values_at(affected)
-        )  # Such as another field of this name.
+        # Such as another field of this name.
+        has_remaining_value = bool(ErratumTargets(self._data).values_at(affected))
         affects = affected if has_remaining_value else affected_parent
         is_known = target.change.kind != "unknown"
         self._record_change(target.change, was=target.short_place, now="", affects=affects, is_known=is_known)
@@ -352,10 +351,10 @@ class LayeredSpec:
         If another change has reserved the place, a part of it, or a part that contains it, report the conflict and
         return False.
         """
-        path = named_path(self._data, path)  # Indices change when an element of a list is removed.
+        place = named_path(self._data, path)  # Indices change when an element of a list is removed.
         for reserved_path, first_change in self._reserved_places.items():
-            is_in_reserved_place = path[: len(reserved_path)] == reserved_path
-            contains_reserved_place = reserved_path[: len(path)] == path
+            is_in_reserved_place = place[: len(reserved_path)] == reserved_path
+            contains_reserved_place = reserved_path[: len(place)] == place
             if is_in_reserved_place or contains_reserved_place:
                 first_overlay = first_change.layer.document
                 mark = mark_at(first_overlay.marks, first_change.path)
@@ -363,7 +362,7 @@ class LayeredSpec:
                 message = f"{first_place} changes the same location; keep one of the two"
                 self._report_problem("overlay-conflict", target, message)
                 return False
-        self._reserved_places[path] = target.change
+        self._reserved_places[place] = target.change
         return True
 
     def _line_from_value(self, path: Path) -> str:
@@ -375,10 +374,10 @@ class LayeredSpec:
     def _report_missing_place(self, target: _Target, missing_path: MissingPath) -> None:
         """Report a change of a place that does not exist, with the steps that are possible where its path ends."""
         existing_name = self._base.name_path(missing_path.existing_path)
-        parent = quoted(existing_name) if existing_name else "the spec"
+        parent_text = quoted(existing_name) if existing_name else "the spec"
         hint = suggest_word(missing_path.step, missing_path.known_steps, "known")
         missing_step = f"{quoted(missing_path.step)}{hint}"
-        message = f"there is nothing at {quoted(target.place_text)}: {parent} has no {missing_step}"
+        message = f"there is nothing at {quoted(target.place_text)}: {parent_text} has no {missing_step}"
         self._report_problem("overlay-unused", target, message)
 
     def _report_problem(self, rule: str, target: _Target, message: str) -> None:

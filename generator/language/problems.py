@@ -179,8 +179,8 @@ class ProblemReport:
         """All problems, with the problems of one file that have the same rule and cause combined into the first one."""
         problems_by_cause: dict[object, list[Problem]] = {}
         for problem in self.problems:
-            key = (problem.file, problem.rule, problem.cause) if problem.cause else problem
-            problems_by_cause.setdefault(key, []).append(problem)
+            cause_or_problem = (problem.file, problem.rule, problem.cause) if problem.cause else problem
+            problems_by_cause.setdefault(cause_or_problem, []).append(problem)
         return tuple(map(_combine_problems, problems_by_cause.values()))
 
     @property
@@ -210,11 +210,11 @@ def _combine_problems(problems: Sequence[Problem]) -> Problem:
     """
     first, *others = problems
     other_lines = dict.fromkeys(problem.line for problem in others)  # In order, each once.
-    lines = [str(line) for line in other_lines if line != first.line]
-    if not lines:
+    line_texts = [str(line) for line in other_lines if line != first.line]
+    if not line_texts:
         return first
-    noun = "line" if len(lines) == 1 else "lines"
-    return replace(first, message=f"{first.message}; the same in {noun} {joined_lines(lines)}")
+    noun = "line" if len(line_texts) == 1 else "lines"
+    return replace(first, message=f"{first.message}; the same in {noun} {joined_lines(line_texts)}")
 
 
 def joined_lines(lines: Sequence[str]) -> str:
@@ -316,7 +316,7 @@ def nearest_choice(word: str, choices: Sequence[str]) -> str:
 
     Words that differ only in capitals and separators are preferred, then typos, then abbreviations.
     """
-    if len(word) > LONGEST_QUOTE:
+    if len(word) > LONGEST_QUOTE:  # Messages shorten such texts, so none is compared.
         return ""
     for is_similar in (_has_same_letters, is_typo, _is_abbreviation):
         similar_choices = [choice for choice in choices if is_similar(word, choice)]

@@ -106,7 +106,7 @@ class _Parser:
         self._events = iter(corrected_events)
         #: Values by anchor. None while the value is being read.
         self._anchors: dict[str, _Value | None] = {}
-        self._count = 0
+        self._value_count = 0
 
     def _report(self, event: Any, rule: str, message: str, path: Path = ()) -> None:
         self._report_error(_build_error(event, rule, message, path))
@@ -129,8 +129,8 @@ class _Parser:
         if value.data is None:
             raise Unreadable("empty", "the file is empty; a spec begins with 'codewheel: 1'")
         if not isinstance(value.data, dict):
-            kind = "a list" if isinstance(value.data, list) else "one value"
-            message = f"a spec is a map of keys and begins with 'codewheel: 1'; this is {kind}"
+            found_text = "a list" if isinstance(value.data, list) else "one value"
+            message = f"a spec is a map of keys and begins with 'codewheel: 1'; this is {found_text}"
             raise Unreadable("not-a-map", message, line=value.mark.line, column=value.mark.column)
         return value.data, value.mark
 
@@ -142,7 +142,7 @@ class _Parser:
         """
         if isinstance(event, yaml.AliasEvent):
             return self._repeat_alias(event, depth)
-        self._count_values(1, event)
+        self._add_to_value_count(1, event)
         if depth > MAX_DEPTH:
             raise _build_error(event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} levels deep")
         anchor = event.anchor
@@ -170,7 +170,7 @@ class _Parser:
         value = self._anchors[event.anchor]
         if value is None:
             raise _build_error(event, "alias", f"the alias '*{event.anchor}' is inside the value that it repeats")
-        self._count_values(value.count, event)
+        self._add_to_value_count(value.count, event)
         if depth + value.depth > MAX_DEPTH:
             message = f"maps and lists are nested more than {MAX_DEPTH} levels deep through this alias"
             raise _build_error(event, "too-deep", message)
@@ -178,10 +178,10 @@ class _Parser:
         mark = replace(_mark_at_start(event), children=value.mark.children)
         return replace(value, mark=mark)
 
-    def _count_values(self, count: int, event: Any) -> None:
+    def _add_to_value_count(self, count: int, event: Any) -> None:
         """Count values, and raise Unreadable if the file has too many."""
-        self._count += count
-        if self._count > MAX_VALUES:
+        self._value_count += count
+        if self._value_count > MAX_VALUES:
             message = (
                 f"there are more than {MAX_VALUES} values up to this point, counting those repeated by aliases; remove"
                 " the aliases"
@@ -332,10 +332,10 @@ def document_of_text(file: str, yaml_text: str, report: ProblemReport) -> Docume
 def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: ProblemReport) -> Document | None:
     """Return the document in a text, or None if nothing in it can be used. Report the errors in the text."""
     errors: list[Unreadable] = []
-    replaced_places: list[Path] = []  # The places of values that could not be read.
+    replaced_paths: list[Path] = []  # The places of values that could not be read.
     data_and_marks = None
     try:
-        data_and_marks = parse(yaml_text, report_error=errors.append, report_stand_in=replaced_places.append)
+        data_and_marks = parse(yaml_text, report_error=errors.append, report_stand_in=replaced_paths.append)
     except Unreadable as last_error:
         errors.append(last_error)
     for error in errors:
@@ -344,9 +344,9 @@ def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: 
     if data_and_marks is None:
         return None
     data, marks = data_and_marks
-    doubtful_places = tuple(error.path for error in errors if error.path)
+    doubtful_paths = tuple(error.path for error in errors if error.path)
     return Document(
-        file=file, lines=lines, data=data, marks=marks, broken=tuple(replaced_places), doubtful=doubtful_places
+        file=file, lines=lines, data=data, marks=marks, broken=tuple(replaced_paths), doubtful=doubtful_paths
     )
 
 
@@ -378,12 +378,12 @@ def read_specs(paths: Iterable[pathlib.Path], report: ProblemReport) -> list[Doc
 
 def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path], report: ProblemReport) -> None:
     """Report a second reading or a sheet of turning words that was given by name, unless its spec was given too."""
-    spec = file.with_name(f"{family_of(str(file))}{file.suffix}")
-    if spec not in requested_paths:
-        kind, rule = "sheet of turning words", "word-sheet"
+    spec_path = file.with_name(f"{family_of(str(file))}{file.suffix}")
+    if spec_path not in requested_paths:
+        kind_in_words, rule = "sheet of turning words", "word-sheet"
         if is_second(file):
-            kind, rule = "second reading", "second-reading"
-        report.add_at(str(file), rule, f"this is a {kind}; give {spec.name}, the spec that it belongs to")
+            kind_in_words, rule = "second reading", "second-reading"
+        report.add_at(str(file), rule, f"this is a {kind_in_words}; give {spec_path.name}, the spec that it belongs to")
 
 
 def _specs_in_folder_or_file(path: pathlib.Path, report: ProblemReport) -> Sequence[pathlib.Path]:
@@ -412,8 +412,8 @@ def _read_content(path: pathlib.Path) -> bytes:
     try:
         mode = os.stat(path).st_mode
         if not stat.S_ISREG(mode):
-            kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
-            raise Unreadable("unreadable", f"this is {kind}; a spec is a .yaml file")
+            found_text = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
+            raise Unreadable("unreadable", f"this is {found_text}; a spec is a .yaml file")
         with open(path, "rb") as file:
             content = file.read(MAX_BYTES + 1)
     except FileNotFoundError:

@@ -76,31 +76,31 @@ def check_schema(document: Document, report: ProblemReport, file_kind: FileKind 
         report.add("missing-key", document, (), message)
         return None
     document.kept_indices.clear()
-    unread_places = set(document.broken)
-    if not unread_places and follows_schema(document.data, schema_without_references(file_kind.value)):
+    unread_paths = set(document.broken)
+    if not unread_paths and follows_schema(document.data, schema_without_references(file_kind.value)):
         return SchemaResult(data_without_paths(document, frozenset()), file_kind, is_complete=True)
     validator = _build_validator(file_kind.value)
-    findings = _collect_findings(validator, document.data, unread_places, file_kind.value)
+    findings = _collect_findings(validator, document.data, unread_paths, file_kind.value)
     _report_findings(findings, document, report)
     if len(findings) > MAX_PROBLEMS:
         return None
-    if not findings and not unread_places:
+    if not findings and not unread_paths:
         return SchemaResult(data_without_paths(document, frozenset()), file_kind, is_complete=True)
-    return _remove_broken_items(validator, document, _places_to_remove(unread_places, findings), file_kind)
+    return _remove_broken_items(validator, document, _paths_to_remove(unread_paths, findings), file_kind)
 
 
-def _places_to_remove(unread_places: set[Path], findings: Sequence[RuleFinding]) -> set[Path]:
+def _paths_to_remove(unread_paths: set[Path], findings: Sequence[RuleFinding]) -> set[Path]:
     """Return the places of a document with errors that later checks cannot use.
 
     A missing key of a file or an interface, and missing prose, are tolerated. If the part with an error can still be
     used, as with an extra key, only the place of the error itself is removed.
     """
-    places = set(map(path_to_remove, unread_places))
+    removed_paths = set(map(path_to_remove, unread_paths))
     for finding in findings:
         if _can_be_incomplete(finding.path) or _is_missing_prose(finding):
             continue
-        places.add(finding.path if finding.alone else path_to_remove(finding.path))
-    return places
+        removed_paths.add(finding.path if finding.is_rest_usable else path_to_remove(finding.path))
+    return removed_paths
 
 
 def _report_findings(findings: Sequence[RuleFinding], document: Document, report: ProblemReport) -> None:
@@ -122,7 +122,7 @@ def renamed_keys(document: Document) -> list[tuple[Path, str]]:
     file_kind = FileKind.SECOND if is_second(document.file) else _kind_of_file(document.data)
     if file_kind is None or follows_schema(document.data, schema_without_references(file_kind.value)):
         return []
-    new_names: dict[Path, str] = {}
+    new_name_by_path: dict[Path, str] = {}
     for error in _build_validator(file_kind.value).iter_errors(document.data):
         has_unknown_key = error.validator == "additionalProperties" and "properties" in error.schema
         if not has_unknown_key:
@@ -132,13 +132,13 @@ def renamed_keys(document: Document) -> list[tuple[Path, str]]:
         for old_name, new_name in RENAMED.items():
             is_old_name = old_name in map_with_unknown_key and old_name not in known_keys
             if is_old_name and new_name in known_keys and new_name not in map_with_unknown_key:
-                new_names[(*error.absolute_path, old_name)] = new_name
+                new_name_by_path[(*error.absolute_path, old_name)] = new_name
 
     def position_of(renamed: tuple[Path, str]) -> tuple[int, int]:
         path, _ = renamed
         return document.position(path, at_key=True)
 
-    return sorted(new_names.items(), key=position_of)
+    return sorted(new_name_by_path.items(), key=position_of)
 
 
 def _kind_of_file(file_data: dict[str, Any]) -> FileKind | None:
@@ -223,7 +223,7 @@ def _stand_ins_for_missing_keys(error: Any) -> dict[str, str]:
 
 def _is_missing_prose(finding: RuleFinding) -> bool:
     """Return True for a finding about missing keys that all contain only prose, such as ``note``."""
-    return finding.alone and finding.rule == "missing-key"
+    return finding.is_rest_usable and finding.rule == "missing-key"
 
 
 def _lacks_only_prose(error: Any) -> bool:
@@ -311,30 +311,32 @@ def _find_original_path(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -
 
 
 def _collect_findings(
-    validator: Any, file_data: dict[str, Any], unread_places: set[Path], file_kind: str
+    validator: Any, file_data: dict[str, Any], unread_paths: set[Path], file_kind: str
 ) -> list[RuleFinding]:
     """Return the first finding of the schema check for each place of a file.
 
-    ``unread_places``, which the reader of the file has already reported, and places in them are left out. At most
+    ``unread_paths``, which the reader of the file has already reported, and places in them are left out. At most
     ``MAX_PROBLEMS`` plus one findings are returned, so that the caller notices that there are more.
     """
-    findings: dict[tuple[Path, bool], RuleFinding] = {}
+    first_finding_by_place: dict[tuple[Path, bool], RuleFinding] = {}
     for error in validator.iter_errors(file_data):
         for finding in explain(error, file_kind):
             enclosing_paths = [finding.path[:length] for length in range(len(finding.path))]
-            if finding.path not in unread_places and unread_places.isdisjoint(enclosing_paths):
-                findings.setdefault((finding.path, finding.at_key), finding)
-            if len(findings) > MAX_PROBLEMS:  # One error can have a finding for each of thousands of keys.
-                return list(findings.values())
-    return list(findings.values())
+            if finding.path not in unread_paths and unread_paths.isdisjoint(enclosing_paths):
+                first_finding_by_place.setdefault((finding.path, finding.at_key), finding)
+            if (
+                len(first_finding_by_place) > MAX_PROBLEMS
+            ):  # One error can have a finding for each of thousands of keys.
+                return list(first_finding_by_place.values())
+    return list(first_finding_by_place.values())
 
 
-def _is_explained(finding: RuleFinding, findings: Sequence[RuleFinding], file_data: dict[str, Any]) -> bool:
+def _is_explained(finding: RuleFinding, all_findings: Sequence[RuleFinding], file_data: dict[str, Any]) -> bool:
     """Return True if the finding follows from another one, so that it need not be reported.
 
     This is the case for a value under a wrong key, and for the name of an interface whose own key is wrong.
     """
-    wrong_key_paths = {key_finding.path for key_finding in findings if key_finding.at_key}
+    wrong_key_paths = {key_finding.path for key_finding in all_findings if key_finding.at_key}
     if not finding.at_key and finding.path in wrong_key_paths and finding.rule != "missing-key":
         return True
     names_interface = "interface" in finding.path[-2:] or "interfaces" in finding.path[-2:]
@@ -352,17 +354,17 @@ def _build_validator(file_kind: str) -> Any:
     """
     from jsonschema import Draft202012Validator, ValidationError, validators
 
-    def pattern(_: Any, expected: str, instance: Any, __: Any) -> Iterator[ValidationError]:
-        if isinstance(instance, str) and not matches(expected, instance):
+    def check_pattern(_: Any, expected_pattern: str, instance: Any, __: Any) -> Iterator[ValidationError]:
+        if isinstance(instance, str) and not matches(expected_pattern, instance):
             yield ValidationError("pattern")
 
-    def integer(_: Any, instance: Any) -> bool:
+    def is_integer(_: Any, instance: Any) -> bool:
         # In JSON Schema, 1.0 is an integer.
         return isinstance(instance, int) and not isinstance(instance, bool)
 
-    types = Draft202012Validator.TYPE_CHECKER.redefine("integer", integer)
+    type_checker = Draft202012Validator.TYPE_CHECKER.redefine("integer", is_integer)
     extend: Any = validators.extend  # Its stub has no types.
-    return extend(Draft202012Validator, validators={"pattern": pattern}, type_checker=types)(
+    return extend(Draft202012Validator, validators={"pattern": check_pattern}, type_checker=type_checker)(
         schema_without_references(file_kind)
     )
 

@@ -99,8 +99,8 @@ def load_schema(file_kind: str) -> dict[str, Any]:
     """
     if file_kind == "second":
         return second_reading_schema(load_schema("device"))
-    text = (Path(__file__).parent / f"{file_kind}.schema.json").read_text(encoding="utf-8")
-    schema: dict[str, Any] = json.loads(text)
+    schema_text = (Path(__file__).parent / f"{file_kind}.schema.json").read_text(encoding="utf-8")
+    schema: dict[str, Any] = json.loads(schema_text)
     return schema
 
 
@@ -166,12 +166,12 @@ _SCHEMA_FILE = Path(__file__).parent / "device.schema.json"
 
 def described_parts() -> dict[str, Any]:
     """Return the classes that describe the parts of a spec, by name. Imported classes are returned only once."""
-    classes = {}
+    class_by_name = {}
     for module in _MODULES_WITH_PARTS:
         for member in vars(module).values():
             if is_part(member) and member.__module__ == module.__name__:
-                classes[member.__name__] = member
-    return classes
+                class_by_name[member.__name__] = member
+    return class_by_name
 
 
 def part_schema(part_class: Any) -> JsonSchema:
@@ -244,13 +244,13 @@ def _read_definitions() -> Mapping[str, Any]:
     return definitions
 
 
-def schema_with_parts(text: str) -> str:
+def schema_with_parts(schema_text: str) -> str:
     """Return the text of a schema in which the keys of a spec and the definitions of parts follow their classes.
 
     A part that has no block in ``$defs`` is skipped. Other lines remain as they are.
     """
-    lines = text.splitlines()
-    definitions = json.loads(text)["$defs"]
+    lines = schema_text.splitlines()
+    definitions = json.loads(schema_text)["$defs"]
     spec_keys = part_schema(keys_of_specs.WrittenSpec)["properties"]
     lines = _replace_block(lines, 0, ["properties"], lambda indent: _format_value("properties", spec_keys, indent))
     for name, part_class in described_parts().items():
@@ -310,15 +310,18 @@ def _format_schema(schema: JsonSchema, indent: int) -> str:
     if '"properties"' not in json.dumps(schema):
         return json.dumps(schema, ensure_ascii=False)
     lines: list[str] = []
-    words_on_line: JsonSchema = {}
-    for word, value in schema.items():
-        has_own_line = word == "description" or isinstance(value, dict)
+    keywords_on_line: JsonSchema = {}
+    for keyword, value in schema.items():
+        has_own_line = keyword == "description" or isinstance(value, dict)
         if has_own_line:
-            lines += [*_on_one_line(words_on_line), f"{json.dumps(word)}: {_format_value(word, value, indent + 2)}"]
-            words_on_line = {}
+            lines += [
+                *_on_one_line(keywords_on_line),
+                f"{json.dumps(keyword)}: {_format_value(keyword, value, indent + 2)}",
+            ]
+            keywords_on_line = {}
         else:
-            words_on_line[word] = value
-    return _in_braces([*lines, *_on_one_line(words_on_line)], indent)
+            keywords_on_line[keyword] = value
+    return _in_braces([*lines, *_on_one_line(keywords_on_line)], indent)
 
 
 def _on_one_line(words: JsonSchema) -> list[str]:
@@ -326,9 +329,9 @@ def _on_one_line(words: JsonSchema) -> list[str]:
     return [json.dumps(words, ensure_ascii=False)[1:-1]] if words else []
 
 
-def _format_value(word: str, schema_value: Any, indent: int) -> str:
+def _format_value(keyword: str, schema_value: Any, indent: int) -> str:
     """Return the text of a value in a schema. Each of the ``properties`` is on a line of its own."""
-    if word == "properties":
+    if keyword == "properties":
         lines = [f"{json.dumps(name)}: {_format_schema(inner, indent + 2)}" for name, inner in schema_value.items()]
         return _in_braces(lines, indent)
     if isinstance(schema_value, dict):

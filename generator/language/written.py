@@ -160,33 +160,33 @@ def written(about: str, **options: Any) -> Callable[[type[T]], type[T]]:
 
 
 @cache
-def _find_reader(value_type: KeyType, module: str) -> Reader:
+def _find_reader(value_type: KeyType, module_name: str) -> Reader:
     """Return a function that converts a value as it is written in a spec to a type. It returns None for other types.
 
-    Classes of parts are looked up by name in ``module``, where they are imported.
+    Classes of parts are looked up by name in ``module_name``, where they are imported.
     """
     if value_type.container == "list":
-        return _list_reader(_find_reader(value_type.inner, module))
+        return _list_reader(_find_reader(value_type.inner, module_name))
     if value_type.container == "one_or_more":
-        return _one_or_more_parts(_find_reader(value_type.inner, module))
+        return _one_or_more_parts(_find_reader(value_type.inner, module_name))
     if value_type.container == "map":
-        return _map_reader(_find_reader(value_type.inner, module))
+        return _map_reader(_find_reader(value_type.inner, module_name))
     if value_type.container == "located":
-        return _located_reader(_class_of(value_type.inner, module))
+        return _located_reader(_class_of(value_type.inner, module_name))
     if value_type.choices:
         return lambda value, _: value if isinstance(value, str) and value in value_type.choices else None
-    return _word_reader(value_type, module)
+    return _word_reader(value_type, module_name)
 
 
-def _word_reader(value_type: KeyType, module: str) -> Reader:
+def _word_reader(value_type: KeyType, module_name: str) -> Reader:
     """Return the reader of a type that is one word: a part, the map of named values, or a type in ``_READERS_BY_TYPE``.
 
     Other words are texts with a certain form.
     """
     if value_type.part:
-        return _part_reader(_class_of(value_type, module))
+        return _part_reader(_class_of(value_type, module_name))
     if value_type.word == "Values":
-        return _map_reader(_find_reader(key_type("WrittenValue"), module))
+        return _map_reader(_find_reader(key_type("WrittenValue"), module_name))
     return _READERS_BY_TYPE.get(value_type.word, _text)
 
 
@@ -218,8 +218,8 @@ def _parse_expression(written_value: Any, _: Path) -> Expression | None:
         return None
 
 
-def _list_reader(read: Reader) -> Reader:
-    """Return a function that reads a list as a tuple, with ``read`` for each element.
+def _list_reader(read_item: Reader) -> Reader:
+    """Return a function that reads a list as a tuple, with ``read_item`` for each element.
 
     Elements of a wrong type are left out. The result is None for a value that is not a list.
     """
@@ -227,14 +227,14 @@ def _list_reader(read: Reader) -> Reader:
     def read_list(value: Any, path: Path) -> Any:
         if not isinstance(value, list):
             return None
-        read_values = [read(list_item, (*path, index)) for index, list_item in enumerate(value)]
+        read_values = [read_item(list_item, (*path, index)) for index, list_item in enumerate(value)]
         return tuple(read_value for read_value in read_values if read_value is not None)
 
     return read_list
 
 
-def _map_reader(read: Reader) -> Reader:
-    """Return a function that reads a map of names, with ``read`` for each value.
+def _map_reader(read_inner: Reader) -> Reader:
+    """Return a function that reads a map of names, with ``read_inner`` for each value.
 
     Values of a wrong type are left out. The result is None for a value that is not a map.
     """
@@ -242,19 +242,19 @@ def _map_reader(read: Reader) -> Reader:
     def read_map(value: Any, path: Path) -> Any:
         if not isinstance(value, dict):
             return None
-        read_values = {name: read(entry, (*path, name)) for name, entry in value.items()}
+        read_values = {name: read_inner(inner_value, (*path, name)) for name, inner_value in value.items()}
         return {name: read_value for name, read_value in read_values.items() if read_value is not None}
 
     return read_map
 
 
-def _one_or_more_parts(read: Reader) -> Reader:
-    """Return a function that reads a part, or a list of parts, as a tuple, with ``read`` for each part."""
+def _one_or_more_parts(read_part: Reader) -> Reader:
+    """Return a function that reads a part, or a list of parts, as a tuple, with ``read_part`` for each part."""
 
     def read_parts(value: Any, path: Path) -> Any:
         if isinstance(value, list):
-            return _list_reader(read)(value, path)
-        part = read(value, path)
+            return _list_reader(read_part)(value, path)
+        part = read_part(value, path)
         return None if part is None else (part,)
 
     return read_parts
@@ -333,16 +333,16 @@ def located(model_class: type[T], part_data: Mapping[str, Any], path: Path) -> L
     return LocatedPart(model_class(**values_by_key), path, part_data)
 
 
-def _empty_value(value_type: KeyType, module: str, path: Path) -> Any:
+def _empty_value(value_type: KeyType, module_name: str, path: Path) -> Any:
     """Return the value that stands for a missing required key: an empty part, container or text, 0 or False."""
     if value_type.container == "located":
-        return located(_class_of(value_type.inner, module), NOTHING, path)
+        return located(_class_of(value_type.inner, module_name), NOTHING, path)
     if value_type.container == "one_or_more":
-        return (_empty_value(value_type.inner, module, path),)
+        return (_empty_value(value_type.inner, module_name, path),)
     if value_type.container:
         return () if value_type.container == "list" else NOTHING
     if value_type.part:
-        written_class = _class_of(value_type, module)
+        written_class = _class_of(value_type, module_name)
         return written_class(NOTHING, path)
     is_whole_number = _READERS_BY_TYPE.get(value_type.word) is _number
     return {"bool": False, "float": 0.0}.get(value_type.word, 0 if is_whole_number else "")

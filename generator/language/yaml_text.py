@@ -140,7 +140,7 @@ def _find_last_quoted_text(yaml_text: str, stop_mark: Any) -> Any:
     ``stop_mark`` is the place where the parser stopped, or None. The text must end on the same line, and either span
     several lines or end exactly there.
     """
-    last = None
+    last_quoted_text = None
     try:
         for token in yaml.scan(yaml_text, Loader=YAML_LOADER):
             token_start = (token.start_mark.line, token.start_mark.column)
@@ -148,14 +148,14 @@ def _find_last_quoted_text(yaml_text: str, stop_mark: Any) -> Any:
                 break
             is_quoted = isinstance(token, yaml.ScalarToken) and token.style in ("'", '"')
             if is_quoted and token.end_mark.line == stop_mark.line:
-                last = token
+                last_quoted_text = token
     except yaml.YAMLError:
         pass  # This is the error to explain. Everything before it has been scanned.
-    if last is None:
+    if last_quoted_text is None:
         return None
-    spans_lines = last.end_mark.line > last.start_mark.line
-    ends_at_error = last.end_mark.column == stop_mark.column
-    return last if spans_lines or ends_at_error else None
+    spans_lines = last_quoted_text.end_mark.line > last_quoted_text.start_mark.line
+    ends_at_error = last_quoted_text.end_mark.column == stop_mark.column
+    return last_quoted_text if spans_lines or ends_at_error else None
 
 
 def _message_on_quote(token: Any) -> str:
@@ -211,17 +211,17 @@ Complain = Callable[[Any, str, str], None]
 
 @dataclass(slots=True)
 class _Container:
-    """An open map or list. ``nodes`` counts its keys and values so far."""
+    """An open map or list. ``node_count`` counts its keys and values so far."""
 
     is_map: bool
-    flow: bool
-    in_list: bool
-    nodes: int = 0
+    is_flow: bool
+    is_in_list: bool
+    node_count: int = 0
     keys: dict[str, int] = field(default_factory=dict)
 
     @property
     def awaits_key(self) -> bool:
-        return self.is_map and self.nodes % 2 == 0
+        return self.is_map and self.node_count % 2 == 0
 
 
 class CorrectedEvents:
@@ -238,7 +238,7 @@ class CorrectedEvents:
         self._ahead: deque[Any] = deque()
         self._lines = lines
         self._complain = complain
-        self._open: list[_Container] = []
+        self._open_containers: list[_Container] = []
 
     def __iter__(self) -> Iterator[Any]:
         """Yield the events, with an item of a list split where its keys repeat, and texts after a comma skipped.
@@ -249,29 +249,30 @@ class CorrectedEvents:
             event = self._take_event()
             if event is None:
                 return
-            container = self._open[-1] if self._open else None
+            container = self._open_containers[-1] if self._open_containers else None
             if isinstance(event, yaml.CollectionEndEvent):
-                self._open.pop()
+                self._open_containers.pop()
                 self._count_value()
             elif isinstance(event, yaml.CollectionStartEvent):
                 is_map = isinstance(event, yaml.MappingStartEvent)
                 is_in_list = container is not None and not container.is_map
-                self._open.append(_Container(is_map, flow=bool(event.flow_style), in_list=is_in_list))
+                self._open_containers.append(_Container(is_map, is_flow=bool(event.flow_style), is_in_list=is_in_list))
             elif isinstance(event, yaml.ScalarEvent) and container is not None and container.is_map:
+                # Keys and values alternate, so the event is a key after an even number of them.
                 if container.awaits_key:
                     yield from self._insert_item_end(event, container)
                     container.keys.setdefault(event.value, _line_of_event(event))
-                elif container.flow:
+                elif container.is_flow:  # A value in {...}, where a comma ends a text without quotes.
                     self._skip_text_after_comma(event)
-                container.nodes += 1
+                container.node_count += 1
             elif isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)):
                 self._count_value()
             yield event
 
     def _count_value(self) -> None:
         """Count a complete value in the innermost open map or list."""
-        if self._open:
-            self._open[-1].nodes += 1
+        if self._open_containers:
+            self._open_containers[-1].node_count += 1
 
     def _take_event(self) -> Any:
         """Return the next event, first those that were looked at ahead, or None after the last one."""
@@ -289,7 +290,7 @@ class CorrectedEvents:
         This is assumed if two keys in a row are repeated, beginning with the first key of the element. A single
         duplicate key is reported elsewhere.
         """
-        if not container.in_list or container.flow or len(container.keys) < 2:
+        if not container.is_in_list or container.is_flow or len(container.keys) < 2:
             return
         first_key = next(iter(container.keys))
         if key_event.value != first_key or self._key_after_next() not in container.keys:
@@ -306,19 +307,19 @@ class CorrectedEvents:
 
     def _key_after_next(self) -> str | None:
         """Return the key after the next value, or None if the map ends there or the value is too long."""
-        depth = 0  # The level of nesting in the value.
-        for index in range(_MOST_EVENTS_AHEAD + 1):
-            event = self._peek_event(index)
+        nesting_depth = 0  # The level of nesting in the value.
+        for event_index in range(_MOST_EVENTS_AHEAD + 1):
+            event = self._peek_event(event_index)
             if isinstance(event, yaml.CollectionStartEvent):
-                depth += 1
+                nesting_depth += 1
             elif isinstance(event, yaml.CollectionEndEvent):
-                depth -= 1
-            is_end_of_map = depth < 0
+                nesting_depth -= 1
+            is_end_of_map = nesting_depth < 0
             if event is None or is_end_of_map:
                 return None
-            is_end_of_value = depth == 0
+            is_end_of_value = nesting_depth == 0
             if is_end_of_value:
-                key = self._peek_event(index + 1)
+                key = self._peek_event(event_index + 1)
                 return key.value if isinstance(key, yaml.ScalarEvent) else None
         return None
 
@@ -329,22 +330,22 @@ class CorrectedEvents:
         """
         if value_event.style or value_event.tag or value_event.anchor:
             return
-        first_skipped = None
+        first_skipped_event = None
         is_number = _DIGITS.fullmatch(value_event.value) is not None
         # The parser reads the text after the comma as a key, with an empty value.
         while self._is_key_without_colon(self._peek_event(0), self._peek_event(1)):
-            text_after_comma = self._peek_event(0)
-            if is_number and _THREE_DIGITS.fullmatch(text_after_comma.value):
-                value_event.value += text_after_comma.value
+            event_after_comma = self._peek_event(0)
+            if is_number and _THREE_DIGITS.fullmatch(event_after_comma.value):
+                value_event.value += event_after_comma.value
             elif is_number or not _is_text(value_event.value):
                 break  # As in {12: , 16}, where keys may come alone.
-            if first_skipped is None:
-                first_skipped = text_after_comma
+            if first_skipped_event is None:
+                first_skipped_event = event_after_comma
             self._take_event()  # The key without a colon.
             self._take_event()  # Its empty value.
-        if first_skipped is not None:
+        if first_skipped_event is not None:
             number = value_event.value if is_number else None
-            self._complain(first_skipped, "yaml-syntax", _message_on_comma(first_skipped, number))
+            self._complain(first_skipped_event, "yaml-syntax", _message_on_comma(first_skipped_event, number))
 
     def _is_key_without_colon(self, key_event: Any, value_event: Any) -> bool:
         """Return True if two events are an unquoted key, after which there is no colon, and its empty value."""
@@ -361,12 +362,12 @@ def _line_of_event(event: Any) -> int:
     return int(event.start_mark.line) + 1
 
 
-def _message_on_comma(skipped: Any, number: str | None) -> str:
+def _message_on_comma(skipped_event: Any, number: str | None) -> str:
     """Return the message about a comma in a number or, if ``number`` is None, in an unquoted text.
 
-    ``number`` is the number without commas, and ``skipped`` the event of the text after the comma.
+    ``number`` is the number without commas, and ``skipped_event`` the event of the text after the comma.
     """
     if number is not None:
         return f"numbers are written without commas; write {number}"
     rule = "A comma ends an unquoted string inside {...}: if this is part of the string, quote the whole string"
-    return f"{quoted(skipped.value)} has no colon. {rule}"
+    return f"{quoted(skipped_event.value)} has no colon. {rule}"

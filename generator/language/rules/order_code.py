@@ -22,7 +22,7 @@ MAX_CODES = 10_000
 _PART_IN_BRACES = re.compile(r"\{([^{}]*)\}")
 _LITERAL_TEXT = re.compile(r"[A-Za-z0-9/_. -]*")
 #: Keys of parameters that are not set by order codes, each with the text for messages that says what sets them.
-_OTHER_ORIGINS = {
+_TEXT_BY_ORIGIN_KEY = {
     "equals": "is computed from other parameters ('equals')",
     "read_from": "is read from the encoder ('read_from')",
     "alternative": "is set by an alternative ('alternative')",
@@ -94,32 +94,32 @@ def check_ambiguous_order_codes(spec: WrittenSpec, report: DocumentReport) -> No
     names_each_part_once = sorted(_PART_IN_BRACES.findall(pattern)) == sorted(part_names)
     if has_duplicate_names or has_invalid_expression or not names_each_part_once:
         return  # Other rules report these mistakes.
-    message = _find_ambiguity(spec)
+    message = _message_on_ambiguity(spec)
     if message:
         report.add("order-code-ambiguous", ("order_code", "pattern"), message)
 
 
-def _find_ambiguity(spec: WrittenSpec) -> str:
+def _message_on_ambiguity(spec: WrittenSpec) -> str:
     """Return a message about the first order code that occurs twice or can be read in two ways, or an empty string."""
     parts = spec.order_code.parts
     # In turn, literal text and the name of a part: "X-", "bits", "", "output" and "" for ``X-{bits}{output}``.
-    pieces = _PART_IN_BRACES.split(spec.order_code.pattern)
-    names_of_parts = pieces[1::2]
-    for index_of_literal in range(0, len(pieces), 2):
-        pieces[index_of_literal] = _capitals_without_blanks(pieces[index_of_literal])  # Blanks on a label are ignored.
+    literals_and_names = _PART_IN_BRACES.split(spec.order_code.pattern)
+    names_of_parts = literals_and_names[1::2]
+    for index in range(0, len(literals_and_names), 2):  # Of each literal. Blanks on a label are ignored.
+        literals_and_names[index] = _capitals_without_blanks(literals_and_names[index])
     # With parts of fixed length, each code splits at fixed places, so it can only be read as it was composed.
     has_fixed_lengths = all(map(_has_fixed_length, parts))
     # For each part, a function that tells whether a text is one of its labels.
-    label_tests = {part.name: _label_test(part) for part in parts}
-    first_codes: dict[str, _Code] = {}  # The first code with each text.
+    label_test_by_part = {part.name: _label_test(part) for part in parts}
+    first_code_by_text: dict[str, _Code] = {}
     for code in _compose_codes(spec) or ():
         code_text = _capitals_without_blanks(code.text)
-        first_code = first_codes.setdefault(code_text, code)
+        first_code = first_code_by_text.setdefault(code_text, code)
         if first_code is not code:
             choices_text = f"as {_choices_text(first_code)}, and as {_choices_text(code)}"
             return f"the code {quoted(code.text)} occurs twice: {choices_text}"
         if not has_fixed_lengths:
-            all_readings = _yield_readings(code_text, pieces, label_tests)
+            all_readings = _yield_readings(code_text, literals_and_names, label_test_by_part)
             first_two_readings = list(itertools.islice(all_readings, 2))
             if len(first_two_readings) == 2:
                 reading, other_reading = [_reading_text(names_of_parts, labels) for labels in first_two_readings]
@@ -143,15 +143,15 @@ def check_also_written(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alternative spelling has every part exactly once, and that its texts represent listed labels."""
     if not are_codes_complete(spec.data, spec.with_invalid_parts.data):
         return  # Invalid parts of the order code were removed from ``spec``, so parts of the spelling could be missing.
-    parts = {part.name: part for part in spec.order_code.parts}
+    part_by_name = {part.name: part for part in spec.order_code.parts}
     for spelling in spec.order_code.also_written:
-        used_parts = _PART_IN_BRACES.findall(spelling.pattern)
-        if sorted(used_parts) == sorted(parts):
-            _check_spelling(spelling, parts, report)
+        used_names = _PART_IN_BRACES.findall(spelling.pattern)
+        if sorted(used_names) == sorted(part_by_name):
+            _check_spelling(spelling, part_by_name, report)
             continue
-        noun = "part" if len(used_parts) == 1 else "parts"
-        used_text = f"the {noun} {', '.join(used_parts)}" if used_parts else "no parts"
-        names_of_parts = ", ".join(parts)
+        noun = "part" if len(used_names) == 1 else "parts"
+        used_text = f"the {noun} {', '.join(used_names)}" if used_names else "no parts"
+        names_of_parts = ", ".join(part_by_name)
         message = (
             f"{quoted(spelling.pattern)} has {used_text}; "
             f"each part ({names_of_parts}) must occur exactly once, as in {quoted(spec.order_code.pattern)}"
@@ -160,17 +160,17 @@ def check_also_written(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_spelling(
-    spelling: WrittenSpelling, parts_by_name: Mapping[str, WrittenCodePart], report: DocumentReport
+    spelling: WrittenSpelling, part_by_name: Mapping[str, WrittenCodePart], report: DocumentReport
 ) -> None:
     """Check that the texts of an alternative spelling represent listed labels, and that its expression is valid."""
     for part_name, label_by_text in spelling.values.items():
         path: Path = (*spelling.path, "values", part_name)
-        if part_name not in parts_by_name:
-            known_names = ", ".join(parts_by_name)
+        if part_name not in part_by_name:
+            known_names = ", ".join(part_by_name)
             message = f"there is no part {quoted(part_name)}; known: {known_names}"
             report.add("also-written", path, message, at_key=True)
             continue
-        listed_labels = parts_by_name[part_name].values
+        listed_labels = part_by_name[part_name].values
         for printed_text, label in label_by_text.items():
             if label not in listed_labels:
                 known_labels = ", ".join(listed_labels)
@@ -214,8 +214,8 @@ def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the pattern of the order code has each part once, and only allowed characters between the parts."""
     pattern = spec.order_code.pattern
     path = spec.order_code.path_of("pattern")
-    used_parts = _PART_IN_BRACES.findall(pattern)
-    known_parts = [part.name for part in spec.order_code.parts]
+    used_names = _PART_IN_BRACES.findall(pattern)
+    known_names = [part.name for part in spec.order_code.parts]
     literals_and_names = _PART_IN_BRACES.split(pattern)  # In turn, beginning and ending with literal text.
     literal_text = "".join(literals_and_names[::2])
     forbidden_characters = [character for character in literal_text if not _LITERAL_TEXT.fullmatch(character)]
@@ -225,15 +225,15 @@ def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
             "a code contains only letters, digits, '/', '-', '_', '.' and spaces"
         )
         report.add("order-code-pattern", path, message)
-    for name in dict.fromkeys(used_parts):
-        if name not in known_parts:
-            message = f"there is no part {{{name}}}; known parts: {', '.join(known_parts)}"
+    for name in dict.fromkeys(used_names):
+        if name not in known_names:
+            message = f"there is no part {{{name}}}; known parts: {', '.join(known_names)}"
             report.add("order-code-pattern", path, message)
-        count = used_parts.count(name)
+        count = used_names.count(name)
         if count > 1:
             report.add("order-code-pattern", path, f"the part {{{name}}} occurs {count} times in the pattern")
     for part in spec.order_code.parts:
-        if part.name not in used_parts:
+        if part.name not in used_names:
             message = f"the pattern {quoted(pattern)} does not contain {{{part.name}}}"
             report.add("order-code-pattern", part.path_of("name"), message)
 
@@ -248,9 +248,9 @@ def _check_set_parameters(spec: WrittenSpec, report: DocumentReport) -> None:
             for name in value.sets:
                 if name not in spec.parameters:
                     continue  # Another rule reports it.
-                other_origin = _key_of_other_origin(spec, spec.parameters[name])
-                if other_origin is not None:
-                    message = f"{quoted(name)} {_OTHER_ORIGINS[other_origin]}, so an order code cannot set it too"
+                origin_key = _conflicting_origin_key(spec, spec.parameters[name])
+                if origin_key is not None:
+                    message = f"{quoted(name)} {_TEXT_BY_ORIGIN_KEY[origin_key]}, so an order code cannot set it too"
                     report.add("order-code-pattern", (*value.path, "sets", name), message)
         problem = _problem_of_expression(part.open)
         if problem:
@@ -258,16 +258,16 @@ def _check_set_parameters(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("order-code-pattern", part.path_of("open"), message)
 
 
-def _key_of_other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
+def _conflicting_origin_key(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
     """Return the key that prevents an order code from setting a parameter, such as ``equals``, or None without one.
 
     An order code can set a parameter that is read from a register if the register has no default.
     """
-    origins = keys_of_origin(parameter)
-    if not origins:
+    origin_keys = keys_of_origin(parameter)
+    if not origin_keys:
         return None
-    needs_order_code = origins[0] == "read_from" and _lacks_default(spec, parameter)
-    return None if needs_order_code else origins[0]
+    needs_order_code = origin_keys[0] == "read_from" and _lacks_default(spec, parameter)
+    return None if needs_order_code else origin_keys[0]
 
 
 def _lacks_default(spec: WrittenSpec, parameter: WrittenParameter) -> bool:
@@ -293,18 +293,18 @@ def _check_selections_of_codes(spec: WrittenSpec, codes: Sequence[_Code], report
 
     The interface and each parameter are reported only for the first such code.
     """
-    first_problems: dict[str, tuple[Path, str]] = {}
+    first_problem_by_subject: dict[str, tuple[Path, str]] = {}  # By the parameter, or by "interface".
     required_parameters = _required_parameters(spec, codes)
     for code in codes:
         if len(code.interfaces) != 1:
-            first_problems.setdefault("interface", (_PATH_OF_PARTS, _message_on_interfaces(spec, code)))
+            first_problem_by_subject.setdefault("interface", (_PATH_OF_PARTS, _message_on_interfaces(spec, code)))
         for name in required_parameters:
             message = _message_on_parameter(name, code, spec.parameters)
             if message:
-                first_problems.setdefault(name, (("parameters", name), message))
-    for path, message in first_problems.values():
+                first_problem_by_subject.setdefault(name, (("parameters", name), message))
+    for path, message in first_problem_by_subject.values():
         report.add("order-code-pattern", path, message, at_key=True)
-    if "interface" not in first_problems:
+    if "interface" not in first_problem_by_subject:
         _check_selected_interfaces(spec, codes, report)
 
 
@@ -413,33 +413,35 @@ def _label_test(part: WrittenCodePart) -> Callable[[str], bool]:
 
 def _yield_readings(
     code_text: str,
-    pieces: Sequence[str],
-    label_tests: Mapping[str, Callable[[str], bool]],
-    start: int = 0,
-    index: int = 0,
+    literals_and_names: Sequence[str],
+    label_test_by_part: Mapping[str, Callable[[str], bool]],
+    text_start: int = 0,
+    literal_index: int = 0,
 ) -> Iterator[tuple[str, ...]]:
     """Yield every way to split an order code into a label for each part: ``("24", "S")`` for ``X-24S``.
 
-    ``pieces`` are literal text and the name of a part in turn: "X-", "bits", "", "output" and "". ``label_tests``
-    contains a function for each part that returns True for its labels. The text is split from ``start`` on, and the
-    pieces are used from ``index`` on, which is the index of a literal.
+    ``literals_and_names`` are literal text and the name of a part in turn: "X-", "bits", "", "output" and "". For each
+    part, ``label_test_by_part`` has a function that returns True for its labels. The text is split from ``text_start``
+    on, where the literal at ``literal_index`` must be.
     """
-    literal = pieces[index].upper()
-    if not code_text.startswith(literal, start):
+    literal = literals_and_names[literal_index].upper()
+    if not code_text.startswith(literal, text_start):
         return
-    label_start = start + len(literal)
-    is_last_piece = index == len(pieces) - 1
-    if is_last_piece:
+    label_start = text_start + len(literal)
+    is_last_literal = literal_index == len(literals_and_names) - 1
+    if is_last_literal:
         is_whole_text_read = label_start == len(code_text)
         if is_whole_text_read:
             yield ()
         return
-    part_name = pieces[index + 1]
-    is_label = label_tests[part_name]
+    part_name = literals_and_names[literal_index + 1]
+    is_label = label_test_by_part[part_name]
     for label_end in range(label_start, len(code_text) + 1):
         label = code_text[label_start:label_end]
         if is_label(label):
-            for later_labels in _yield_readings(code_text, pieces, label_tests, start=label_end, index=index + 2):
+            for later_labels in _yield_readings(
+                code_text, literals_and_names, label_test_by_part, text_start=label_end, literal_index=literal_index + 2
+            ):
                 yield (label, *later_labels)
 
 

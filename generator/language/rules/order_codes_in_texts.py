@@ -30,20 +30,20 @@ def check_order_codes_in_texts(spec: WrittenSpec, report: DocumentReport) -> Non
     A text may leave parts open, such as ``TV62-xxx-0050-...``, and may end after any part.
     """
     pattern = spec.order_code.pattern
-    starts = _expressions_for_start(spec.order_code)
+    start_expressions = _expressions_for_start(spec.order_code)
     # An older edition is derived with its own order codes and with today's texts, so the two need not agree.
-    if not starts or report.document.family:
+    if not start_expressions or report.document.family:
         return
-    pieces = _pieces_of_pattern(spec.order_code)
+    pattern_pieces = _pieces_of_pattern(spec.order_code)
     if pattern.startswith("{"):  # The start is a label of the first part, so it is already matched.
-        pieces = pieces[1:]
-    any_start = "|".join(starts)
+        pattern_pieces = pattern_pieces[1:]
+    any_start = "|".join(start_expressions)
     code_in_text = re.compile(rf"(?<![\w-])({any_start})([\w.…/*-]+)")  # ``TV62`` and ``-xxx-0050-...``
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or not _is_text_about_own_codes(path):
             continue
         for start, text_after_start in code_in_text.findall(text):
-            unknown_label = _unknown_label(text_after_start.rstrip(".,"), pieces)
+            unknown_label = _unknown_label(text_after_start.rstrip(".,"), pattern_pieces)
             if unknown_label:
                 problem = f"{quoted(start + text_after_start)} names {quoted(unknown_label)}"
                 message = f"{problem}, which is not in the order code; correct one of the two"
@@ -120,14 +120,14 @@ def _pieces_of_pattern(order_code: WrittenOrderCode) -> list[_PatternPiece]:
     For ``X-{bits}-{output}`` these are ``("", <bits>)`` and ``("-", <output>)``: the text before the first part is
     empty, because the start of the order code is matched separately.
     """
-    parts = by_name(order_code.parts)
+    part_by_name = by_name(order_code.parts)
     # In turn, beginning and ending with literal text: "X-", "bits", "-", "output" and "".
     literals_and_names = _NAME_IN_BRACES.split(order_code.pattern)
     names_of_parts = literals_and_names[1::2]
     literals_before_parts = ("", *literals_and_names[2:-1:2])
     pieces: list[_PatternPiece] = []
     for literal_before, part_name in zip(literals_before_parts, names_of_parts, strict=True):
-        pieces.append(_PatternPiece(literal_before, _label_expression(parts.get(part_name))))
+        pieces.append(_PatternPiece(literal_before, _label_expression(part_by_name.get(part_name))))
     return pieces
 
 
@@ -151,7 +151,7 @@ def _label_expression(part: WrittenCodePart | None) -> re.Pattern[str] | None:
         return None
 
 
-def _unknown_label(order_code_text: str, pieces: Sequence[_PatternPiece]) -> str:
+def _unknown_label(order_code_text: str, pattern_pieces: Sequence[_PatternPiece]) -> str:
     """Return the first word of a text where a label is expected and none of the part's labels matches.
 
     ``order_code_text`` is the remainder of an order code after its start. The result is empty if all labels match, or
@@ -160,21 +160,21 @@ def _unknown_label(order_code_text: str, pieces: Sequence[_PatternPiece]) -> str
     follow is skipped.
     """
     remaining_text = order_code_text
-    is_left_open = False
-    for literal, label_expression in pieces:
+    is_after_open_place = False
+    for literal, label_expression in pattern_pieces:
         is_end_of_code = _TAIL_OF_LABEL.fullmatch(remaining_text) is not None
         if is_end_of_code or label_expression is None:
             return ""
         if not remaining_text.startswith(literal):
-            if is_left_open:
-                continue
-            return ""
+            if is_after_open_place:
+                continue  # The open place also replaces this part.
+            return ""  # The text departs from the pattern.
         text_from_label = remaining_text.removeprefix(literal)
         match = label_expression.match(text_from_label) or _LEFT_OPEN.match(text_from_label)
         if match is not None:
-            is_left_open = text_from_label[0] in "x.…_*"  # the characters of _LEFT_OPEN
+            is_after_open_place = text_from_label[0] in "x.…_*"  # the characters of _LEFT_OPEN
             remaining_text = text_from_label[match.end() :]
-        elif literal or not is_left_open:
+        elif literal or not is_after_open_place:  # Without a literal, the open place may replace this part, too.
             return _first_word(text_from_label)
     return ""
 
@@ -188,7 +188,7 @@ def _first_word(text: str) -> str:
 #: Units of lengths. Texts also have numbers of bits and counts that are not those of an order code.
 _UNITS_OF_LENGTHS = ("nm", "µm", "mm")
 #: Keys of texts, including those that quote the manual.
-_KEYS = KEYS_OF_TEXTS | {"printed", "why", "title", "value"}
+_KEYS_OF_COMPARED_TEXTS = KEYS_OF_TEXTS | {"printed", "why", "title", "value"}
 
 
 def check_resolutions_in_texts(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -200,7 +200,7 @@ def check_resolutions_in_texts(spec: WrittenSpec, report: DocumentReport) -> Non
         return
     for unit, resolutions in _resolutions_by_unit(spec):
         length_in_text = re.compile(rf"(?<![\w.,±/])(?<!± )(\d+(?:\.\d+)?) {unit}(?![\w/])")
-        for path, text in texts_about_encoder(spec, _KEYS, report):
+        for path, text in texts_about_encoder(spec, _KEYS_OF_COMPARED_TEXTS, report):
             lengths = [Decimal(number) for number in length_in_text.findall(text)]
             other_lengths = [length for length in lengths if length not in resolutions]
             lists_resolutions = len(other_lengths) < len(lengths)
@@ -217,13 +217,13 @@ def _resolutions_by_unit(spec: WrittenSpec) -> Iterator[tuple[str, set[Decimal]]
         if parameter.unit not in _UNITS_OF_LENGTHS:
             continue
         lengths: set[Decimal] = set()
-        is_open = False
+        is_any_part_open = False
         for part in spec.order_code.parts:
             for value in part.values.values():
                 if name in value.sets:
                     lengths.add(Decimal(value.sets[name]))
-                    is_open |= bool(part.open)
-        if len(lengths) > 1 and not is_open:
+                    is_any_part_open |= bool(part.open)
+        if len(lengths) > 1 and not is_any_part_open:
             yield parameter.unit, lengths
 
 
@@ -309,13 +309,13 @@ def check_order_codes_in_tables(spec: WrittenSpec, report: DocumentReport) -> No
         headings = [heading.casefold() for heading in table.part.columns]
         if "order code" not in headings:
             continue
-        column = headings.index("order code")
-        for index, row in enumerate(table.part.rows):
-            cell = row[column] if column < len(row) else ""
+        column_index = headings.index("order code")
+        for row_index, row in enumerate(table.part.rows):
+            cell = row[column_index] if column_index < len(row) else ""
             codes = re.findall(r"\S+-\.\.\.", cell)  # Such as ``TV62-0050-...``.
             problems = [_problem_of_code(code, fixed_start, spec) for code in codes]
             first_problem = next(filter(None, problems), "")
-            path = (*table.path, "rows", index, column)
+            path = (*table.path, "rows", row_index, column_index)
             is_reported = path in report.faults()  # As an order code in a text.
             if first_problem and not is_reported:
                 report.add("table-arithmetic", path, f"{first_problem}; correct it")

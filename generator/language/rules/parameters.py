@@ -95,12 +95,12 @@ def parameter_uses(spec: WrittenSpec) -> Iterator[ParameterUse]:
 
     A field of a group is yielded for each layout or register that uses the group.
     """
-    groups = by_name(spec.with_invalid_parts.field_groups)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
     layouts_and_registers = list(layouts_of_interfaces(spec))
     for register in spec.registers:
         layouts_and_registers.append(FieldList(FieldOwner.REGISTER, register, interface_name_of(register)))
     for field_list in layouts_and_registers:
-        for path, field in with_groups_expanded(field_list, groups):
+        for path, field in with_groups_expanded(field_list, group_by_name):
             yield from _with_interface(field_list.interface, _expressions_of_field(field, path))
         yield from _with_interface(field_list.interface, _expressions_of_owner(field_list))
     for name, interface in interfaces(spec):
@@ -201,11 +201,11 @@ def check_parameter_origin(spec: WrittenSpec, report: DocumentReport) -> None:
     excludes limits.
     """
     for name, parameter in spec.parameters.items():
-        origins = keys_of_origin(parameter)
-        if len(origins) > 1:
-            second_origin = origins[1]
-            problem = f"{join_words(map(quoted, origins))} each define {quoted(name)}; keep one"
-            report.add("parameter-origin", parameter.path_of(second_origin), problem, at_key=True)
+        origin_keys = keys_of_origin(parameter)
+        if len(origin_keys) > 1:
+            second_key = origin_keys[1]
+            problem = f"{join_words(map(quoted, origin_keys))} each define {quoted(name)}; keep one"
+            report.add("parameter-origin", parameter.path_of(second_key), problem, at_key=True)
         if not parameter.by_code:
             continue
         limit_keys = [key for key in ("min", "max") if parameter.has(key)]
@@ -224,24 +224,26 @@ def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> N
     Also check that parameters and examples name questions that exist, and that examples name existing answers.
     """
     resolver = NameResolver(spec, report)
-    alternatives = by_name(spec.with_invalid_parts.alternatives)
-    parameters = spec.with_invalid_parts.parameters.items()
+    alternative_by_name = by_name(spec.with_invalid_parts.alternatives)
+    named_parameters = spec.with_invalid_parts.parameters.items()
     for alternative in spec.alternatives:
-        own_parameters = [name for name, parameter in parameters if parameter.alternative == alternative.name]
-        _check_answers(alternative, own_parameters, resolver)
+        own_parameter_names = [
+            name for name, parameter in named_parameters if parameter.alternative == alternative.name
+        ]
+        _check_answers(alternative, own_parameter_names, resolver)
     for name, parameter in spec.parameters.items():
         path = parameter.path_of("alternative")
-        resolver.check_optional_name(path, "alternative", parameter.alternative, known_names=alternatives)
-        alternative_of_parameter = alternatives.get(parameter.alternative)
+        resolver.check_optional_name(path, "alternative", parameter.alternative, known_names=alternative_by_name)
+        alternative_of_parameter = alternative_by_name.get(parameter.alternative)
         if alternative_of_parameter is not None and not _sets_parameter(alternative_of_parameter, name):
             problem = f"no answer of {quoted(parameter.alternative)} sets {quoted(name)}"
             report.add("undefined-reference", path, problem)
     for example in spec.examples:
         for name, answer in example.alternatives.items():
             answer_path = (*example.path, "alternatives", name)
-            resolver.check_name(answer_path, "alternative", name, known_names=alternatives)
-            if name in alternatives:
-                known_answers = alternatives[name].names_in("values")
+            resolver.check_name(answer_path, "alternative", name, known_names=alternative_by_name)
+            if name in alternative_by_name:
+                known_answers = alternative_by_name[name].names_in("values")
                 noun = f"answer of {quoted(name)} called"
                 resolver.check_name(answer_path, noun, answer, known_names=known_answers)
 
@@ -251,26 +253,26 @@ def _sets_parameter(alternative: WrittenAlternative, parameter_name: str) -> boo
     return any(parameter_name in answer.names_in("sets") for answer in alternative.values.values())
 
 
-def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str], resolver: NameResolver) -> None:
+def _check_answers(alternative: WrittenAlternative, own_parameter_names: Sequence[str], resolver: NameResolver) -> None:
     """Check that each answer to a question sets all parameters of the question, and no others.
 
-    ``own_parameters`` are the parameters that name the question. Another rule reports one that no answer sets.
+    ``own_parameter_names`` are the parameters that name the question. Another rule reports one that no answer sets.
     """
     question = alternative.name
-    first_answers: dict[str, str] = {}  # For each parameter, the first answer that sets it.
+    first_answer_by_parameter: dict[str, str] = {}
     for answer_name, answer in alternative.values.items():
         for name in answer.sets:
-            first_answers.setdefault(name, answer_name)
+            first_answer_by_parameter.setdefault(name, answer_name)
     for answer_name, answer in alternative.values.items():
         sets_path = answer.path_of("sets")
         for name in answer.sets:
             resolver.check_name((*sets_path, name), "parameter", name)
-            if name in resolver.parameter_names and name not in own_parameters:
+            if name in resolver.parameter_names and name not in own_parameter_names:
                 problem = f"{quoted(name)} is not a parameter of {quoted(question)}; give it 'alternative: {question}'"
                 resolver.report_problem((*sets_path, name), problem)
-        for name in own_parameters:
-            if name in first_answers and name not in answer.sets:
-                first_answer = quoted(first_answers[name])
+        for name in own_parameter_names:
+            if name in first_answer_by_parameter and name not in answer.sets:
+                first_answer = quoted(first_answer_by_parameter[name])
                 problem = f"{quoted(answer_name)} does not set {quoted(name)}, which {first_answer} sets"
                 resolver.report_problem(sets_path, problem)
 
@@ -281,22 +283,22 @@ def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
     Generated code can use an answer nowhere else. Answers to a question with a default affect only verdicts, so no
     expression may contain their parameters.
     """
-    alternatives = by_name(spec.with_invalid_parts.alternatives)
+    alternative_by_name = by_name(spec.with_invalid_parts.alternatives)
     alternative_by_parameter: dict[str, str] = {}  # The names of the questions by the parameters that answers set.
     for name, parameter in spec.with_invalid_parts.parameters.items():
         if parameter.alternative:
             alternative_by_parameter[name] = parameter.alternative
-    used_texts = list(expressions(spec))
+    used_expressions = list(expressions(spec))
     # The parameter under 'when', which turns Gray code on, is not an expression.
-    used_texts += [(use.path, use.text) for use in parameter_uses(spec) if use.path[-1] == "when"]
-    for path, text in used_texts:
-        used_names = [factor.parameter for factor in list_factors(text)]
+    used_expressions += [(use.path, use.text) for use in parameter_uses(spec) if use.path[-1] == "when"]
+    for path, expression_text in used_expressions:
+        used_names = [factor.parameter for factor in list_factors(expression_text)]
         names_set_by_answers = [name for name in used_names if name in alternative_by_parameter]
         if not names_set_by_answers:
             continue
         parameter_name = names_set_by_answers[0]
         alternative_name = alternative_by_parameter[parameter_name]
-        alternative = alternatives.get(alternative_name)
+        alternative = alternative_by_name.get(alternative_name)
         problem = f"{quoted(parameter_name)} is set by the alternative {quoted(alternative_name)}"
         if path[-1] not in KEYS_IN_BITS:
             remedy = "use it only in 'bits' or 'low_bit' of a field"
@@ -310,25 +312,25 @@ def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def check_parameter_cycle(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself, directly or through other parameters."""
-    definitions: dict[str, list[str]] = {}
+    used_names_by_parameter: dict[str, list[str]] = {}
     for name, parameter in spec.parameters.items():
         if parameter.equals is not None:
-            definitions[name] = [factor.parameter for factor in list_factors(parameter.equals)]
+            used_names_by_parameter[name] = [factor.parameter for factor in list_factors(parameter.equals)]
     searched_names: set[str] = set()
-    for name in definitions:
-        cycle = _find_cycle(name, definitions, searched_names)
+    for name in used_names_by_parameter:
+        cycle = _find_cycle(name, used_names_by_parameter, searched_names)
         if cycle:
             cycle_text = " -> ".join(cycle)
             message = f"circular definition of parameter: {cycle_text}"
             report.add("parameter-cycle", ("parameters", cycle[0], "equals"), message)
 
 
-def _find_cycle(start: str, definitions: Mapping[str, list[str]], searched_names: set[str]) -> list[str]:
+def _find_cycle(start: str, used_names_by_parameter: Mapping[str, list[str]], searched_names: set[str]) -> list[str]:
     """Return a circular definition that is reached from the parameter ``start``, or an empty list.
 
-    If a needs b, b needs c and c needs b, the cycle reached from a is ``["b", "c", "b"]``. ``definitions`` contains the
-    names in the definition of each parameter. Parameters in ``searched_names`` are skipped, and every visited parameter
-    is added there, so that each cycle is reported once.
+    If a needs b, b needs c and c needs b, the cycle reached from a is ``["b", "c", "b"]``. ``used_names_by_parameter``
+    contains the names in the definition of each parameter. Parameters in ``searched_names`` are skipped, and every
+    visited parameter is added there, so that each cycle is reported once.
     """
     # Depth first, without recursion: a long chain of parameters must not exhaust the stack.
     trail: list[str] = []  # The parameters from the start to the current one.
@@ -342,9 +344,9 @@ def _find_cycle(start: str, definitions: Mapping[str, list[str]], searched_names
         elif name in trail:
             searched_names.update(trail)
             return [*trail[trail.index(name) :], name]
-        elif name in definitions and name not in searched_names:
+        elif name in used_names_by_parameter and name not in searched_names:
             trail.append(name)
-            names_to_visit.append(iter(definitions[name]))
+            names_to_visit.append(iter(used_names_by_parameter[name]))
     return []
 
 
@@ -382,12 +384,12 @@ def list_terms(expression_text: object) -> tuple[Term, ...]:
 class _SumSize(NamedTuple):
     """Number of terms of a parameter with all definitions inserted, and the largest number in a product."""
 
-    terms: int
+    term_count: int
     multiple: int
 
     @property
     def is_too_large(self) -> bool:
-        return self.terms > _MOST_TERMS or self.multiple > LARGEST_MULTIPLE
+        return self.term_count > _MOST_TERMS or self.multiple > LARGEST_MULTIPLE
 
 
 def check_long_sums(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -400,11 +402,11 @@ def check_long_sums(spec: WrittenSpec, report: DocumentReport) -> None:
     for name, parameter in spec.parameters.items():
         size = _size_of_parameter(name, spec.parameters, size_by_name)
         used_names = [factor.parameter for term in list_terms(parameter.equals) for factor in term.factors]
-        uses_reported = any(size_by_name[used_name].is_too_large for used_name in used_names)
-        if not size.is_too_large or uses_reported:
+        uses_reported_parameter = any(size_by_name[used_name].is_too_large for used_name in used_names)
+        if not size.is_too_large or uses_reported_parameter:
             continue
-        if size.terms > _MOST_TERMS:
-            problem = f"is a sum of {size.terms} terms with the definitions of its parameters"
+        if size.term_count > _MOST_TERMS:
+            problem = f"is a sum of {size.term_count} terms with the definitions of its parameters"
             limit = _MOST_TERMS
         else:
             problem = f"is a multiple of {size.multiple} with the definitions of its parameters"
@@ -423,14 +425,14 @@ def _size_of_parameter(
     if name in size_by_name:
         return size_by_name[name]
     # This ends the recursion for a circular definition, which another rule reports.
-    size_by_name[name] = _SumSize(terms=1, multiple=1)
+    size_by_name[name] = _SumSize(term_count=1, multiple=1)
     terms = list_terms(parameters[name].equals) if name in parameters else ()
     term_count, largest_multiple = 0, 1
     for term in terms:
         sizes_of_factors = [_size_of_parameter(factor.parameter, parameters, size_by_name) for factor in term.factors]
-        term_count += sum(size.terms for size in sizes_of_factors)
+        term_count += sum(size.term_count for size in sizes_of_factors)
         multiple = abs(term.multiple) * math.prod(size.multiple for size in sizes_of_factors)
         largest_multiple = max(largest_multiple, multiple)
     if terms:
-        size_by_name[name] = _SumSize(terms=term_count, multiple=largest_multiple)
+        size_by_name[name] = _SumSize(term_count=term_count, multiple=largest_multiple)
     return size_by_name[name]

@@ -86,11 +86,11 @@ _NamedModelPart = TypeVar("_NamedModelPart", bound=NamedModelPart)
 
 def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
     """Return parts by name. Parts without a valid name are left out, and so are later parts with the same name."""
-    named_parts: dict[str, _Named] = {}
+    part_by_name: dict[str, _Named] = {}
     for part in parts:
         if part.is_valid("name"):
-            named_parts.setdefault(part.name, part)
-    return named_parts
+            part_by_name.setdefault(part.name, part)
+    return part_by_name
 
 
 def by_part_name(parts: Iterable[LocatedPart[_NamedModelPart]]) -> dict[str, LocatedPart[_NamedModelPart]]:
@@ -98,11 +98,11 @@ def by_part_name(parts: Iterable[LocatedPart[_NamedModelPart]]) -> dict[str, Loc
 
     Parts without a valid name are left out, and so are later parts with the same name.
     """
-    named_parts: dict[str, LocatedPart[_NamedModelPart]] = {}
+    part_by_name: dict[str, LocatedPart[_NamedModelPart]] = {}
     for located_part in parts:
         if located_part.is_valid("name"):
-            named_parts.setdefault(located_part.part.name, located_part)
-    return named_parts
+            part_by_name.setdefault(located_part.part.name, located_part)
+    return part_by_name
 
 
 def interfaces(spec: WrittenSpec) -> Iterator[tuple[str, WrittenInterface]]:
@@ -199,9 +199,9 @@ NO_REGISTER = WrittenRegister({})
 Registers = Mapping[str, WrittenRegister]
 
 
-def register_of_step(step: WrittenStep, registers: Registers) -> WrittenRegister:
+def register_of_step(step: WrittenStep, register_by_name: Registers) -> WrittenRegister:
     """Return the register that a step accesses, or an empty register if it accesses none or it does not exist."""
-    return registers.get(step.register, NO_REGISTER)
+    return register_by_name.get(step.register, NO_REGISTER)
 
 
 def last_address(register: WrittenRegister) -> int:
@@ -212,19 +212,19 @@ def last_address(register: WrittenRegister) -> int:
     return register.address + register.length - 1
 
 
-def with_groups_expanded(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+def with_groups_expanded(field_list: FieldList, group_by_name: Groups) -> Iterator[tuple[Path, WrittenField]]:
     """Yield the fields of a layout, register or group with their paths, and the fields of a group where it is used.
 
     A field from a group has the path of the field that includes the group. Fields beyond the limit, which another rule
     reports, are omitted.
     """
-    return islice(_expand_groups(field_list, groups), MAX_FIELDS)
+    return islice(_expand_groups(field_list, group_by_name), MAX_FIELDS)
 
 
-def _expand_groups(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+def _expand_groups(field_list: FieldList, group_by_name: Groups) -> Iterator[tuple[Path, WrittenField]]:
     """Yield the fields with their paths, and the fields of a group where it is used, without a limit."""
     for field in field_list.fields:
-        group = groups.get(field.use)
+        group = group_by_name.get(field.use)
         if group is None:
             yield field.path, field
         else:
@@ -232,23 +232,23 @@ def _expand_groups(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path
                 yield field.path, group_field
 
 
-def fields_by_name(field_list: FieldList, groups: Groups) -> dict[str, WrittenField]:
+def fields_by_name(field_list: FieldList, group_by_name: Groups) -> dict[str, WrittenField]:
     """Return the fields of a layout, register or group by name, including the fields of groups that it uses."""
-    located_fields = with_groups_expanded(field_list, groups)
+    located_fields = with_groups_expanded(field_list, group_by_name)
     return {field.name: field for _, field in located_fields if field.name}
 
 
-def readable_names(field_list: FieldList, groups: Groups) -> list[str]:
+def readable_names(field_list: FieldList, group_by_name: Groups) -> list[str]:
     """Return the names of all values that a decoder returns: fields, joined numbers and groups of digits.
 
     A register without fields is one number with its own name.
     """
     if field_list.owner_kind is FieldOwner.REGISTER and not field_list.owner.has("fields"):
         return [field_list.name]
-    fields = fields_by_name(field_list, groups)
+    field_by_name = fields_by_name(field_list, group_by_name)
     # A join with a wrong value is reported, but its name is known.
-    names = [*fields, *field_list.owner.names_in("join")]
-    for field in fields.values():
+    names = [*field_by_name, *field_list.owner.names_in("join")]
+    for field in field_by_name.values():
         names += [digit_group.part.name for digit_group in field.digits if digit_group.part.name]
     return names
 
@@ -258,8 +258,8 @@ def keys_of_origin(parameter: WrittenParameter) -> list[str]:
 
     The list is empty if order codes set the parameter.
     """
-    origins = {"equals": parameter.equals, "read_from": parameter.read_from, "alternative": parameter.alternative}
-    return [key for key, origin in origins.items() if origin not in (None, "")]
+    origin_by_key = {"equals": parameter.equals, "read_from": parameter.read_from, "alternative": parameter.alternative}
+    return [key for key, origin in origin_by_key.items() if origin not in (None, "")]
 
 
 def clocks_of(interface: WrittenInterface) -> tuple[LocatedPart[Clock], ...]:
@@ -302,8 +302,8 @@ def measurements(spec: WrittenSpec) -> Iterator[LocatedPart[Measurement]]:
 def measurement_of(spec: WrittenSpec, interface: str) -> LocatedPart[Measurement] | None:
     """Return the measurement of an interface or, if it has none, of the device. None if there is neither."""
     if interface in spec.interfaces.data:
-        interfaces_by_name = dict(interfaces(spec))
-        own_measurement = interfaces_by_name[interface].measurement
+        interface_by_name = dict(interfaces(spec))
+        own_measurement = interface_by_name[interface].measurement
         if own_measurement is not None and own_measurement.is_given:
             return own_measurement
     return spec.measurement
@@ -330,12 +330,12 @@ class BitRange(NamedTuple):
     lowest: int
 
 
-def parse_bit_range(place: int | str | None) -> BitRange | None:
-    """Return the bits of a place such as ``7:6`` or 5, or None if it is not a place."""
-    if isinstance(place, int):
-        is_bit_of_register = 0 <= place < 1024  # No register has more bits.
-        return BitRange(place, place) if is_bit_of_register else None
-    match = _BIT_RANGE_TEXT.fullmatch(str(place))
+def parse_bit_range(bit_or_range: int | str | None) -> BitRange | None:
+    """Return the highest and lowest bit of a range such as ``7:6`` or of a single bit such as 5, otherwise None."""
+    if isinstance(bit_or_range, int):
+        is_bit_of_register = 0 <= bit_or_range < 1024  # No register has more bits.
+        return BitRange(bit_or_range, bit_or_range) if is_bit_of_register else None
+    match = _BIT_RANGE_TEXT.fullmatch(str(bit_or_range))
     if match is None:
         return None
     bit_range = BitRange(*map(int, match.groups()))
@@ -358,11 +358,11 @@ def constant_width(field: WrittenField) -> int | None:
     return 1 if field.is_flag or isinstance(field.at, int) else None
 
 
-def bit_names(register: WrittenRegister, groups: Groups) -> list[str]:
+def bit_names(register: WrittenRegister, group_by_name: Groups) -> list[str]:
     """Return the names allowed after the dot in ``register.field``: the fields of a register, or its own name."""
     if register.has("fields"):
         field_list = FieldList(FieldOwner.REGISTER, register, interface="")
-        return list(fields_by_name(field_list, groups))
+        return list(fields_by_name(field_list, group_by_name))
     return [register.name]
 
 
@@ -373,9 +373,9 @@ def owner_of_alarm(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField
     return by_name(spec.registers).get(alarm.part.register)
 
 
-def has_other_bits(register: WrittenRegister, groups: Groups) -> bool:
+def has_other_bits(register: WrittenRegister, group_by_name: Groups) -> bool:
     """Return True if a register has several fields, or bits outside its fields."""
-    has_several_fields = len(bit_names(register, groups)) > 1
+    has_several_fields = len(bit_names(register, group_by_name)) > 1
     return has_several_fields or register.has("other_bits")
 
 
@@ -384,17 +384,17 @@ def value_names(field: WrittenField) -> list[str]:
     return field.names_in("values")
 
 
-def fields_of(register: WrittenRegister, groups: Groups) -> Iterator[WrittenField]:
+def fields_of(register: WrittenRegister, group_by_name: Groups) -> Iterator[WrittenField]:
     """Yield the fields of a register, with groups included."""
     field_list = FieldList(FieldOwner.REGISTER, register, interface="")
-    for _, field in with_groups_expanded(field_list, groups):
+    for _, field in with_groups_expanded(field_list, group_by_name):
         yield field
 
 
-def value_names_of_register(register: WrittenRegister, groups: Groups, field_name: str = "") -> list[str]:
+def value_names_of_register(register: WrittenRegister, group_by_name: Groups, field_name: str = "") -> list[str]:
     """Return the names of values of all fields of a register, or only of the field of this name."""
     names: list[str] = []
-    for field in fields_of(register, groups):
+    for field in fields_of(register, group_by_name):
         if not field_name or field.name == field_name:
             names += value_names(field)
     return names

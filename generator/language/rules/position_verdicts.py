@@ -39,11 +39,11 @@ def check_value_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
     There, a value that is named as an error must have one. A group of fields belongs to such a frame if a frame with a
     position uses it.
     """
-    groups = by_name(spec.with_invalid_parts.field_groups)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
     paths_with_position = set()
     groups_with_position: set[str] = set()
     for frame in layouts_of_interfaces(spec):
-        if _has_position(spec, frame, groups):
+        if _has_position(spec, frame, group_by_name):
             paths_with_position.add(frame.owner.path)
             groups_with_position.update(field.use for field in frame.fields)
     for field_list in field_lists(spec):
@@ -105,14 +105,14 @@ def _reason_without_verdict(field_list: FieldList) -> str:
             return f"{owner} is sent by the master"
 
 
-def _has_position(spec: WrittenSpec, field_list: FieldList, groups: Groups) -> bool:
+def _has_position(spec: WrittenSpec, field_list: FieldList, group_by_name: Groups) -> bool:
     """Return True for a frame that the encoder sends and that contains the position or a part of it.
 
     The position is a field, or a number joined from several fields.
     """
     if not field_list.is_from_encoder:
         return False
-    names = {*fields_by_name(field_list, groups), *field_list.joins}
+    names = {*fields_by_name(field_list, group_by_name), *field_list.joins}
     return not names.isdisjoint(position_names(spec, field_list.interface))
 
 
@@ -122,25 +122,25 @@ def check_combinations(spec: WrittenSpec, report: DocumentReport) -> None:
     A combination is a verdict on the position that applies while several fields have certain values. It never decides
     if one of these values, or a combination of some of them, already has the same verdict or a more severe one.
     """
-    groups = by_name(spec.with_invalid_parts.field_groups)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
     for frame in layouts_of_interfaces(spec):
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
-        if listed_combinations and not _has_position(spec, frame, groups):
+        if listed_combinations and not _has_position(spec, frame, group_by_name):
             problem = f"{_reason_without_verdict(frame)}; remove 'combinations'"
             report.add("combination", frame.owner.path_of("combinations"), problem, at_key=True)
             continue
-        fields = fields_by_name(frame, groups)
+        field_by_name = fields_by_name(frame, group_by_name)
         for index, combination in enumerate(listed_combinations):
-            is_valid = _check_conditions(frame, fields, combination, report)
+            is_valid = _has_valid_conditions(frame, field_by_name, combination, report)
             if not is_valid:
                 continue  # Its conditions are reported, and there may be no verdicts to compare.
             earlier_combinations = listed_combinations[:index]
             later_combinations = listed_combinations[index + 1 :]
             verdicts_of_conditions = [
-                *_verdicts_of_conditions(frame, fields, combination),
+                *_verdicts_of_conditions(frame, field_by_name, combination),
                 *_verdicts_of_smaller_combinations(combination, earlier_combinations, later_combinations),
             ]
-            _check_can_decide(combination, verdicts_of_conditions, report)
+            _report_if_never_deciding(combination, verdicts_of_conditions, report)
 
 
 def check_report_names(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -149,10 +149,10 @@ def check_report_names(spec: WrittenSpec, report: DocumentReport) -> None:
     Values with a verdict on the position and combinations of values are reported under names of their own, which must
     differ from the names of fields.
     """
-    groups = by_name(spec.with_invalid_parts.field_groups)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
     for frame in layouts_of_interfaces(spec):
-        used_names = set(readable_names(frame, groups))
-        for path, name in _names_of_reports(frame, groups):
+        used_names = set(readable_names(frame, group_by_name))
+        for path, name in _names_of_reports(frame, group_by_name):
             if name in used_names:
                 problem = (
                     f"this frame already has {quoted(name)}, which is also the name of this report; rename one of them"
@@ -161,25 +161,25 @@ def check_report_names(spec: WrittenSpec, report: DocumentReport) -> None:
             used_names.add(name)
 
 
-def _names_of_reports(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path, str]]:
+def _names_of_reports(field_list: FieldList, group_by_name: Groups) -> Iterator[tuple[Path, str]]:
     """Yield the name under which decoders report each value with a verdict and each combination, with its path.
 
     The value ``low`` of the field ``battery`` is reported as ``battery_low``.
     """
-    use_paths = {field.path for field in field_list.fields if field.use}
-    for field_path, field in with_groups_expanded(field_list, groups):
+    paths_of_included_groups = {field.path for field in field_list.fields if field.use}
+    for field_path, field in with_groups_expanded(field_list, group_by_name):
         for name, value in field.values.items():
             if value.has("makes_position"):
                 # A value in a group is reported at the use of the group.
-                path = field_path if field_path in use_paths else value.path
+                path = field_path if field_path in paths_of_included_groups else value.path
                 yield path, f"{field.name}_{name}"
     if field_list.layout is not None:
         for combination in field_list.layout.combinations:
             yield combination.path_of("name"), combination.name
 
 
-def _check_conditions(
-    field_list: FieldList, fields: FieldsByName, combination: WrittenCombination, report: DocumentReport
+def _has_valid_conditions(
+    field_list: FieldList, field_by_name: FieldsByName, combination: WrittenCombination, report: DocumentReport
 ) -> bool:
     """Return True if all fields and values in the conditions of a combination exist and can be combined.
 
@@ -189,12 +189,12 @@ def _check_conditions(
     problems_before = len(report)
     for field_name, value in combination.when.items():
         condition_path = (*combination.path_of("when"), field_name)
-        if field_name not in fields:
-            hint = suggest_word(field_name, fields)
+        if field_name not in field_by_name:
+            hint = suggest_word(field_name, field_by_name)
             problem = f"there is no field {quoted(field_name)} in this frame{hint}"
             report.add("undefined-reference", condition_path, problem, at_key=True)
             continue
-        field = fields[field_name]
+        field = field_by_name[field_name]
         obstacle = _obstacle_to_combination(field_list, field_name, field)
         known_values = _values_in_conditions(field)
         if obstacle:
@@ -205,7 +205,7 @@ def _check_conditions(
     are_conditions_valid = len(report) == problems_before
     if are_conditions_valid and len(combination.when) == 1:
         (field_name,) = combination.when
-        is_flag = fields[field_name].is_flag
+        is_flag = field_by_name[field_name].is_flag
         verdict_place = f"the flag {quoted(field_name)}" if is_flag else f"the value of {quoted(field_name)}"
         problem = (
             f"{quoted(combination.name)} has only one condition; write 'makes_position' at {verdict_place} instead"
@@ -245,7 +245,7 @@ def _values_in_conditions(field: WrittenField) -> list[str]:
     return names
 
 
-def _check_can_decide(
+def _report_if_never_deciding(
     combination: WrittenCombination, verdicts_of_conditions: Iterable[tuple[str, str]], report: DocumentReport
 ) -> None:
     """Report a combination of values if some of its values already have the same verdict or a more severe one.
@@ -268,14 +268,14 @@ def _is_at_least_as_severe(verdict: str, other_verdict: str) -> bool:
 
 
 def _verdicts_of_conditions(
-    field_list: FieldList, fields: FieldsByName, combination: WrittenCombination
+    field_list: FieldList, field_by_name: FieldsByName, combination: WrittenCombination
 ) -> Iterator[tuple[str, str]]:
     """Yield a text that names each flag or value of a combination, with the verdict that it has by itself.
 
     The verdict is empty if there is none. An inactive flag has no verdict and is omitted.
     """
     for name, value_name in combination.when.items():
-        field = fields[name]
+        field = field_by_name[name]
         condition_text = f"{quoted(name)} alone"
         if not field.is_flag:
             value = field.values.get(value_name)
@@ -323,13 +323,13 @@ def check_default_answers(spec: WrittenSpec, report: DocumentReport) -> None:
         for field in field_list.fields:
             parameters_of_verdicts.update(field.makes_position_if)
     for alternative in spec.alternatives:
-        default = alternative.default
-        if not default:
+        default_answer = alternative.default
+        if not default_answer:
             continue
         first_answer, *_ = alternative.values
         default_path = alternative.path_of("default")
-        if default != first_answer:
-            problem = f"the default {quoted(default)} is not the first answer of {quoted(alternative.name)}"
+        if default_answer != first_answer:
+            problem = f"the default {quoted(default_answer)} is not the first answer of {quoted(alternative.name)}"
             report.add("alternative-default", default_path, f"{problem}; write {quoted(first_answer)}")
             continue
         _check_numbers_of_answers(alternative, report)
@@ -345,19 +345,20 @@ def _check_numbers_of_answers(alternative: WrittenAlternative, report: DocumentR
 
     The first answer is the default.
     """
-    for index, (name, answer) in enumerate(alternative.values.items()):
+    for index, (answer_name, answer) in enumerate(alternative.values.items()):
         is_default = index == 0
         sets_path = answer.path_of("sets")
         if len(answer.sets) > 1:
             problem = f"{quoted(alternative.name)} has a default, so its answers set one parameter"
             report.add("alternative-default", sets_path, f"{problem}; keep one, or remove 'default'")
             return
-        expected = 0 if is_default else 1
-        for parameter, value in answer.sets.items():
-            if value != expected:
-                problem = f"{quoted(name)} sets {quoted(parameter)} to {value}; the default answer must set it to 0"
-                message = f"{problem} and every other answer to 1, so write {expected}"
-                report.add("alternative-default", (*sets_path, parameter), message)
+        expected_value = 0 if is_default else 1
+        for parameter_name, value in answer.sets.items():
+            if value != expected_value:
+                setting = f"{quoted(answer_name)} sets {quoted(parameter_name)} to {value}"
+                message = f"{setting}; the default answer must set it to 0"
+                message += f" and every other answer to 1, so write {expected_value}"
+                report.add("alternative-default", (*sets_path, parameter_name), message)
 
 
 def check_verdicts_by_answer(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -366,8 +367,10 @@ def check_verdicts_by_answer(spec: WrittenSpec, report: DocumentReport) -> None:
     The answer is named by its parameter, which must belong to a question with a default answer. The verdict must differ
     from ``makes_position``, the verdict for the default answer.
     """
-    alternatives = by_name(spec.with_invalid_parts.alternatives)
-    alternatives_with_default = {name for name, alternative in alternatives.items() if alternative.has("default")}
+    alternative_by_name = by_name(spec.with_invalid_parts.alternatives)
+    alternatives_with_default = {
+        name for name, alternative in alternative_by_name.items() if alternative.has("default")
+    }
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, verdict in field.makes_position_if.items():
@@ -414,6 +417,6 @@ def check_equal_answers(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         (first_name, first_answer), (second_name, second_answer) = answers
         if first_answer.sets and first_answer.sets == second_answer.sets:
-            names = f"{quoted(first_name)} and {quoted(second_name)}"
-            message = f"{names} set the same numbers; correct one of the two answers"
+            answer_names = f"{quoted(first_name)} and {quoted(second_name)}"
+            message = f"{answer_names} set the same numbers; correct one of the two answers"
             report.add("same-answers", second_answer.path_of("sets"), message)

@@ -91,10 +91,10 @@ def _check_written_value(
 
 def check_written_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each argument of a procedure is written by one of its steps."""
-    procedures = by_name(spec.with_invalid_parts.procedures)
+    procedure_by_name = by_name(spec.with_invalid_parts.procedures)
     for procedure in spec.procedures:
         # An invalid step may be the one that writes the argument.
-        procedure_with_invalid_steps = procedures.get(procedure.name, procedure)
+        procedure_with_invalid_steps = procedure_by_name.get(procedure.name, procedure)
         written_values = [step.value for step in procedure_with_invalid_steps.steps]
         for argument in procedure.arguments:
             if argument.name not in written_values:
@@ -117,12 +117,12 @@ def check_saves_before_writes(spec: WrittenSpec, report: DocumentReport) -> None
     """
     if is_second_reading(report.document):  # Second readings have no notes.
         return
-    registers = by_name(spec.with_invalid_parts.registers)
+    register_by_name = by_name(spec.with_invalid_parts.registers)
     for procedure in spec.procedures:
         if procedure.note:
             continue
         argument_names = {argument.name for argument in procedure.arguments}
-        writes = [step for step in procedure.steps if step.do == "write" and step.register in registers]
+        writes = [step for step in procedure.steps if step.do == "write" and step.register in register_by_name]
         indices_of_saves = [index for index, step in enumerate(writes) if _is_save(step)]
         if not indices_of_saves:
             continue
@@ -130,7 +130,7 @@ def check_saves_before_writes(spec: WrittenSpec, report: DocumentReport) -> None
         last_save = writes[index_of_last_save]
         later_writes = writes[index_of_last_save + 1 :]
         writes_to_other_registers = [step for step in later_writes if step.register != last_save.register]
-        unsaved_register = _first_unsaved_register(writes_to_other_registers, argument_names, registers)
+        unsaved_register = _first_unsaved_register(writes_to_other_registers, argument_names, register_by_name)
         if unsaved_register:
             problem = f"this step saves before {quoted(unsaved_register)} is written"
             remedy = "move this step after the write, or explain the order in a 'note' of the procedure"
@@ -143,13 +143,15 @@ def _is_save(step: WrittenStep) -> bool:
     return _SAVE_WORDS.fullmatch(step.value) is not None
 
 
-def _first_unsaved_register(later_writes: Iterable[WrittenStep], argument_names: set[str], registers: Registers) -> str:
+def _first_unsaved_register(
+    later_writes: Iterable[WrittenStep], argument_names: set[str], register_by_name: Registers
+) -> str:
     """Return the first non-volatile register to which one of the later steps writes an argument of the procedure.
 
     The result is empty if there is none.
     """
     for step in later_writes:
-        needs_saving = not registers[step.register].volatile
+        needs_saving = not register_by_name[step.register].volatile
         if needs_saving and step.value in argument_names:
             return step.register
     return ""
@@ -181,15 +183,15 @@ def check_selected_bank(spec: WrittenSpec, report: DocumentReport) -> None:
 
     An argument, whose value is not known, may select any bank.
     """
-    registers = by_name(spec.with_invalid_parts.registers)
+    register_by_name = by_name(spec.with_invalid_parts.registers)
     bank_register = bank_select_register(spec.with_invalid_parts)
     if not bank_register:
         return
-    bank_numbers = _numbers_by_name(registers.get(bank_register, NO_REGISTER), spec)
+    bank_numbers = _numbers_by_name(register_by_name.get(bank_register, NO_REGISTER), spec)
     for procedure in spec.procedures:
         selected_bank: object = None
         for step in procedure.steps:
-            bank = register_of_step(step, registers).bank
+            bank = register_of_step(step, register_by_name).bank
             if step.do == "write" and step.register == bank_register:
                 # A value without a name is an argument, which may select any bank.
                 selected_bank = bank_numbers.get(step.value, _ANY_BANK)
@@ -240,11 +242,11 @@ def check_writes(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A procedure with a step that is not completely known is not checked.
     """
-    registers = by_name(spec.registers)
-    groups = by_name(spec.field_groups)
+    register_by_name = by_name(spec.registers)
+    group_by_name = by_name(spec.field_groups)
     for procedure in spec.procedures:
         write_steps = [step for step in procedure.steps if step.do == "write"]
-        writes = [_write_of_step(step, registers, groups) for step in write_steps]
+        writes = [_write_of_step(step, register_by_name, group_by_name) for step in write_steps]
         are_all_known = None not in writes
         if procedure.printed_writes and are_all_known:
             _compare_writes(procedure, write_steps, writes, report)
@@ -284,23 +286,25 @@ def _parse_printed_write(write_text: str) -> _Write:
     )
 
 
-def _write_of_step(step: WrittenStep, registers: Mapping[str, WrittenRegister], groups: Groups) -> _Write | None:
+def _write_of_step(
+    step: WrittenStep, register_by_name: Mapping[str, WrittenRegister], group_by_name: Groups
+) -> _Write | None:
     """Return the write that a step of a procedure carries out, or None if it is not completely known.
 
     With ``field``, only the bits of this field are written, and the result contains the lowest one. Otherwise the whole
     register is written, with the value in the bits of the field that has it.
     """
-    register = registers.get(step.register)
+    register = register_by_name.get(step.register)
     if register is None or not step.value:
         return None
-    register_fields = list(fields_of(register, groups))
+    register_fields = list(fields_of(register, group_by_name))
     possible_fields = [field for field in register_fields if step.field in ("", field.name)]
     # The field that has the value. Without such a field, the value is an argument, whose number the caller supplies.
     fields_with_value = [field for field in possible_fields if step.value in field.values]
-    number = None
+    written_number = None
     if fields_with_value:
-        number = fields_with_value[0].values[step.value].value
-    write_of_register = _Write(register.address, last_address(register), bit=None, value=number)
+        written_number = fields_with_value[0].values[step.value].value
+    write_of_register = _Write(register.address, last_address(register), bit=None, value=written_number)
     is_value_of_register = not fields_with_value or len(register_fields) == 1
     if not step.field and is_value_of_register:
         return write_of_register
@@ -310,8 +314,9 @@ def _write_of_step(step: WrittenStep, registers: Mapping[str, WrittenRegister], 
         return None
     if step.field:
         return replace(write_of_register, bit=bit_range.lowest)
-    number_at_its_bits = (number or 0) << bit_range.lowest
-    return replace(write_of_register, value=number_at_its_bits)
+    # The step writes the whole register: the other fields are 0, and the value is at the bits of its field.
+    shifted_number = (written_number or 0) << bit_range.lowest
+    return replace(write_of_register, value=shifted_number)
 
 
 _NUMBER_WORDS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
@@ -320,18 +325,18 @@ _REPETITIONS_IN_TEXT = re.compile(rf"\b({'|'.join(_NUMBER_WORDS)}|[1-9]\d?) requ
 
 def check_register_of_argument(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an argument of a procedure is written to the register whose limits apply to it (``of``)."""
-    registers = by_name(spec.with_invalid_parts.registers)
+    register_by_name = by_name(spec.with_invalid_parts.registers)
     for procedure in spec.procedures:
         for argument in procedure.arguments:
             register_with_limits = argument.of
-            writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
-            written_names = [write.register for write in writes]
-            if register_with_limits not in registers:
+            write_steps = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
+            written_register_names = [write_step.register for write_step in write_steps]
+            if register_with_limits not in register_by_name:
                 continue
-            if writes and register_with_limits not in written_names:
+            if write_steps and register_with_limits not in written_register_names:
                 message = (
                     f"the limits of {quoted(argument.name)} are those of {quoted(register_with_limits)}, but a step"
-                    f" writes it to {quoted(written_names[0])}; correct one of the two"
+                    f" writes it to {quoted(written_register_names[0])}; correct one of the two"
                 )
                 report.add("argument-register", argument.path_of("of"), message)
 

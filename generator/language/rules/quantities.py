@@ -55,7 +55,7 @@ def check_quantity_text(spec: WrittenSpec, report: DocumentReport) -> None:
         bounds_by_unit: dict[str, set[Decimal]] = {}
         for index, quantity in enumerate(quantities):
             path = (*characteristic.path, "values", index)
-            bounds = _check_quantity(quantity, printed_text, path, report)
+            bounds = _checked_bounds(quantity, printed_text, path, report)
             if bounds:
                 bounds_by_unit.setdefault(quantity.unit, set()).update(bounds)
         for unit, bounds_in_unit in sorted(bounds_by_unit.items()):
@@ -67,8 +67,8 @@ def check_quantity_text(spec: WrittenSpec, report: DocumentReport) -> None:
                     report.add("quantity-text", (*characteristic.path, "value"), message)
 
 
-def _check_quantity(quantity: Quantity, characteristic_text: str, path: Path, report: DocumentReport) -> list[Decimal]:
-    """Report a quantity of a characteristic that contradicts the text of the characteristic, and return its bounds.
+def _checked_bounds(quantity: Quantity, characteristic_text: str, path: Path, report: DocumentReport) -> list[Decimal]:
+    """Return the bounds of a quantity of a characteristic, and report it if it contradicts the characteristic's text.
 
     Each bound must be a number in the text with the same unit, or such a number plus or minus a tolerance. The result
     is empty if the unit or the order of the bounds is wrong.
@@ -128,11 +128,11 @@ def _numbers_with_tolerances(characteristic_text: str, unit: str) -> Iterator[De
     tolerances = [number for sign, number in _numbers_with_sign(characteristic_text, unit) if sign == "±"]
     percentages = [number for sign, number in _numbers_with_sign(characteristic_text, "%") if sign == "±"]
     nominal_numbers = numbers_in_text or [Decimal(0)]  # A tolerance alone is about 0.
-    for nominal in nominal_numbers:
-        relative_tolerances = [nominal * (percentage / 100) for percentage in percentages]
+    for nominal_number in nominal_numbers:
+        relative_tolerances = [nominal_number * (percentage / 100) for percentage in percentages]
         for tolerance in (*tolerances, *relative_tolerances):
-            yield nominal - tolerance
-            yield nominal + tolerance
+            yield nominal_number - tolerance
+            yield nominal_number + tolerance
 
 
 def check_repeated_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -298,9 +298,9 @@ def check_conversions(spec: WrittenSpec, report: DocumentReport) -> None:
             # If there are more than two, it is not known which of them belong together.
             if len(indices) == 2:
                 first_index, second_index = indices
-                quantity = characteristic.part.values[second_index]
                 first_quantity = characteristic.part.values[first_index]
-                _compare_bounds(quantity, first_quantity, (*characteristic.path, "values", second_index), report)
+                second_quantity = characteristic.part.values[second_index]
+                _compare_bounds(second_quantity, first_quantity, (*characteristic.path, "values", second_index), report)
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[-1] == "printed":
             continue
@@ -349,15 +349,15 @@ def _compare_numbers(printed: _PrintedNumber, other: _PrintedNumber, path: Path,
     other_number = float(other.number)
     converted = to_other_unit(number)
     tolerance = max(abs(converted) / 100, other.rounding)
-    agrees = abs(converted - other_number) <= tolerance
+    agrees_in_other_unit = abs(converted - other_number) <= tolerance
     to_own_unit = _UNIT_CONVERSIONS[other.unit, printed.unit]
     agrees_in_own_unit = abs(to_own_unit(other_number) - number) <= printed.rounding
-    agrees_as_difference = False
+    agrees_as_temperature_difference = False
     if "°" in other.unit:
         converted_difference = converted - to_other_unit(0.0)
         # Half a degree, because differences are printed in whole degrees.
-        agrees_as_difference = abs(converted_difference - other_number) <= max(0.5, other.rounding)
-    if not agrees and not agrees_in_own_unit and not agrees_as_difference:
+        agrees_as_temperature_difference = abs(converted_difference - other_number) <= max(0.5, other.rounding)
+    if not agrees_in_other_unit and not agrees_in_own_unit and not agrees_as_temperature_difference:
         message = f"{printed.number} {printed.unit} is {converted:.4g} {other.unit}, not {other.number}"
         report.add("quantity-text", path, message)
 

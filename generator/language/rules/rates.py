@@ -70,12 +70,13 @@ def check_plausible_rates(spec: WrittenSpec, report: DocumentReport) -> None:
 def _report_rate(rate: int, unit: str, path: Path, report: DocumentReport) -> None:
     """Report a rate that is implausibly low, with the number that is probably meant: in kHz or MHz instead of Hz."""
     rate_key = path[-1]
+    # The unit that the number probably has: 10 is more likely 10 MHz, and 100 more likely 100 kHz.
     prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
     likely_rate = rate * factor
     if unit == "baud":
         # Manuals round standard rates: 115 kbaud is 115200 baud.
-        rounded_to_rate = [standard_rate for standard_rate in _STANDARD_BAUDS if standard_rate // 1000 == rate]
-        likely_rate = rounded_to_rate[0] if rounded_to_rate else likely_rate
+        standard_rates = [standard_rate for standard_rate in _STANDARD_BAUDS if standard_rate // 1000 == rate]
+        likely_rate = standard_rates[0] if standard_rates else likely_rate
     problem = f"'{rate_key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
     remedy = f"write {likely_rate}. If the number is right, say so in a 'note' of the interface"
     report.add("implausible-rate", path, f"{problem}, {remedy}")
@@ -180,14 +181,14 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
 
     After this time without a clock edge, the encoder ends the word.
     """
-    time_us, key = _guaranteed_or_typical_us(timing)
+    time_us, key = _lowest_or_typical_us(timing)
     # Errata refer to a part of a list by its name: interfaces.ssi.monoflop.at_least_us.
     path_of_timings = timing.path[:-1]
     names_in_path = map(str, (*path_of_timings, _MONOFLOP, key))
-    affected_path = as_affected_name(".".join(names_in_path))
-    if is_explained_at(report.document, affected_path) or not time_us:
+    erratum_path = as_affected_name(".".join(names_in_path))
+    if is_explained_at(report.document, erratum_path) or not time_us:
         return
-    remedy = f"If this is what the manual says, add an erratum that affects {affected_path}"
+    remedy = f"If this is what the manual says, add an erratum that affects {erratum_path}"
     for clock in ssi.clock:
         lowest_hz = clock.part.min_hz
         if not lowest_hz or not share_order_codes(clock.part, timing.part):
@@ -199,19 +200,28 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
                 f" end within a word; correct one of the two. {remedy}"
             )
             report.add("monoflop", (*timing.path, key), message)
-    pauses = [other_timing for other_timing in ssi.timings if other_timing.part.name == _PAUSE]
+    _check_pauses(timing, time_us, ssi, remedy, report)
+
+
+def _check_pauses(
+    monoflop: LocatedPart[Timing], monoflop_us: int, ssi: WrittenSsi, remedy: str, report: DocumentReport
+) -> None:
+    """Report each pause between words that is shorter than the monoflop time, so that the next word comes too early.
+
+    Only pauses for the order codes of the monoflop time are compared.
+    """
+    pauses = [timing for timing in ssi.timings if timing.part.name == _PAUSE]
     for pause in pauses:
         pause_us = pause.part.at_least_us
-        if pause_us is None or not share_order_codes(pause.part, timing.part):
+        if pause_us is None or not share_order_codes(pause.part, monoflop.part):
             continue
-        if pause_us < time_us:
-            message = (
-                f"the pause of {pause_us} µs is shorter than the monoflop time of {time_us} µs; correct one of the two"
-            )
+        if pause_us < monoflop_us:
+            problem = f"the pause of {pause_us} µs is shorter than the monoflop time of {monoflop_us} µs"
+            message = f"{problem}; correct one of the two"
             report.add("monoflop", (*pause.path, "at_least_us"), f"{message}. {remedy}")
 
 
-def _guaranteed_or_typical_us(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
+def _lowest_or_typical_us(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
     """Return the guaranteed shortest time of a timing in µs or, without one, the typical time, with its key.
 
     The result is ``(None, "")`` if the timing has neither.
@@ -345,23 +355,27 @@ def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_cable_order(
-    shorter: CableLength, row_of_longer_cable: LocatedPart[CableLength], affected_path: str, report: DocumentReport
+    shorter: CableLength,
+    row_of_longer_cable: LocatedPart[CableLength],
+    affected_path: str,
+    report: DocumentReport,
 ) -> None:
     """Report the row of a longer cable if its clock limit is not lower than the limit of a shorter cable.
 
     ``affected_path`` is the path that an erratum must affect to explain it.
     """
-    longer = row_of_longer_cable.part
-    is_slower = longer.limit_hz < shorter.limit_hz or not shorter.limit_hz
-    have_same_length = longer.shorter_than_m == shorter.shorter_than_m
+    longer_cable = row_of_longer_cable.part
+    # A row without a limit, which another rule reports, has the limit 0.
+    is_slower = longer_cable.limit_hz < shorter.limit_hz or not shorter.limit_hz
+    have_same_length = longer_cable.shorter_than_m == shorter.shorter_than_m
     if not is_slower or have_same_length:
-        limit, limit_of_shorter = (f"{row.limit_words} {row.limit_hz} Hz" for row in (longer, shorter))
+        limit, limit_of_shorter = (f"{row.limit_words} {row.limit_hz} Hz" for row in (longer_cable, shorter))
         problem = (
-            f"the clock must be {limit} for cables shorter than {longer.shorter_than_m} m, but {limit_of_shorter} for"
-            f" cables shorter than {shorter.shorter_than_m} m; a longer cable needs a slower clock. If this is what the"
-            f" manual says, add an erratum that affects {affected_path}"
+            f"the clock must be {limit} for cables shorter than {longer_cable.shorter_than_m} m, but {limit_of_shorter}"
+            f" for cables shorter than {shorter.shorter_than_m} m; a longer cable needs a slower clock. If this is what"
+            f" the manual says, add an erratum that affects {affected_path}"
         )
-        report.add("cable-order", (*row_of_longer_cable.path, longer.limit_key), problem)
+        report.add("cable-order", (*row_of_longer_cable.path, longer_cable.limit_key), problem)
 
 
 _NUMBER_WORDS = {"one": 1, "two": 2, "nine": 9, "ten": 10, "eleven": 11, "twelve": 12}

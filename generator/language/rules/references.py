@@ -105,8 +105,8 @@ def _check_references_of_field(
         name_path = parity_path if is_single_name else (*parity_path, index)
         resolver.check_name(name_path, "other field", name, known_names=fields_and_joins)
     resolver.check_each_name(field.path_of("crc_of"), "other field", field.crc_of, known_names=other_fields)
-    for index, bit in enumerate(field.explained_by):
-        resolver.check_bit_path((*field.path, "explained_by", index), bit)
+    for index, bit_path in enumerate(field.explained_by):
+        resolver.check_bit_path((*field.path, "explained_by", index), bit_path)
 
 
 def check_register_references(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -137,22 +137,24 @@ def _check_unlocking_register(opener: WrittenOpenedBy, resolver: NameResolver) -
 
     If the register has several fields, the spec must say which of them needs the value.
     """
-    name = opener.register
-    resolver.check_optional_name(opener.path_of("register"), "register", name)
-    if name not in resolver.registers:
+    register_name = opener.register
+    resolver.check_optional_name(opener.path_of("register"), "register", register_name)
+    if register_name not in resolver.registers:
         return
-    known_fields = resolver.bit_names(name)
-    noun = f"field of {quoted(name)} called"
+    known_fields = resolver.bit_names(register_name)
+    noun = f"field of {quoted(register_name)} called"
     resolver.check_optional_name(opener.path_of("field"), noun, opener.field, known_names=known_fields)
     is_field_known = opener.field in known_fields
     if opener.field and not is_field_known:
         return
-    known_values = resolver.value_names(name, opener.field)
+    known_values = resolver.value_names(register_name, opener.field)
     value_path = opener.path_of("value")
-    resolver.check_optional_name(value_path, f"value of {quoted(name)} called", opener.value, known_names=known_values)
+    resolver.check_optional_name(
+        value_path, f"value of {quoted(register_name)} called", opener.value, known_names=known_values
+    )
     is_ambiguous = not opener.field and len(known_fields) > 1
     if is_ambiguous and opener.value in known_values:
-        problem = f"{quoted(name)} has several fields; add 'field' with the name of the field"
+        problem = f"{quoted(register_name)} has several fields; add 'field' with the name of the field"
         resolver.report_problem(value_path, f"{problem} that must hold {quoted(opener.value)}")
 
 
@@ -293,7 +295,7 @@ def check_erratum_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     resolver = NameResolver(spec, report)
     # The possible next steps of each map or list by its id, because many errata affect the same places.
-    next_nodes_by_id: dict[int, dict[str, object]] = {}
+    node_by_step_by_id: dict[int, dict[str, object]] = {}
     for erratum in spec.errata:
         for index, affected_place in enumerate(erratum.affects):
             path = (*erratum.path, "affects", index)
@@ -306,14 +308,14 @@ def check_erratum_references(spec: WrittenSpec, report: DocumentReport) -> None:
                 continue
             node: object = spec.with_invalid_parts.data  # The map or list that the steps so far lead to.
             for step in (*outer_steps, last_step):
-                if id(node) not in next_nodes_by_id:
-                    next_nodes_by_id[id(node)] = dict(next_steps(node))
-                next_nodes = next_nodes_by_id[id(node)]
-                if step not in next_nodes:
+                if id(node) not in node_by_step_by_id:
+                    node_by_step_by_id[id(node)] = dict(next_steps(node))
+                node_by_step = node_by_step_by_id[id(node)]
+                if step not in node_by_step:
                     noun = f"place {quoted(affected_place)} in this spec: there is no"
-                    resolver.check_name(path, noun, step, known_names=next_nodes)
+                    resolver.check_name(path, noun, step, known_names=node_by_step)
                     break
-                node = next_nodes[step]
+                node = node_by_step[step]
 
 
 def check_printed_references(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -391,15 +393,17 @@ class NameResolver:
         misspelt, which is reported already, ``name`` may be the correct spelling. Then the place is only marked as
         faulty, unless another known name is similar.
         """
-        choices = self._names_by_noun[noun] if known_names is None else known_names
-        if name in choices:
+        accepted_names = self._names_by_noun[noun] if known_names is None else known_names
+        if name in accepted_names:
             return
-        has_misspelt_choice = not self._misspelt_names.isdisjoint(choices)
-        correct_choices = [choice for choice in choices if choice not in self._misspelt_names]
-        if has_misspelt_choice and not nearest_choice(name, correct_choices):
+        has_misspelt_name = not self._misspelt_names.isdisjoint(accepted_names)
+        well_spelt_names = [
+            accepted_name for accepted_name in accepted_names if accepted_name not in self._misspelt_names
+        ]
+        if has_misspelt_name and not nearest_choice(name, well_spelt_names):
             self._report.mark(path)
             return
-        problem = f"there is no {noun} {quoted(name)}{suggest_word(name, choices)}"
+        problem = f"there is no {noun} {quoted(name)}{suggest_word(name, accepted_names)}"
         self._report.add("undefined-reference", path, problem, cause=name)
 
     def report_problem(self, path: Path, problem: str) -> None:

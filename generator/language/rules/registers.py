@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 from ...model import INTERFACES
 from ..keys_of_fields import WrittenField, WrittenPrintedDefault, WrittenRegister
 from ..keys_of_specs import WrittenErratum, WrittenSpec
-from ..problems import DocumentReport, quoted
+from ..problems import DocumentReport, Path, quoted
 from .parts import (
     BitRange,
     FieldOwner,
@@ -53,18 +53,18 @@ def check_default_lists(spec: WrittenSpec, report: DocumentReport) -> None:
     A row gives the ``bytes`` of a whole register, or the ``value`` of some of its bits (``at``). An erratum explains a
     row that differs.
     """
-    registers = by_name(spec.registers)
+    register_by_name = by_name(spec.registers)
     for row in spec.printed_defaults:
         has_bytes = bool(row.bytes)
-        has_place = row.at is not None
+        names_bits = row.at is not None
         has_value = row.value is not None
-        has_whole_register = has_bytes and not has_place and not has_value
-        has_some_bits = not has_bytes and has_place and has_value
+        has_whole_register = has_bytes and not names_bits and not has_value
+        has_some_bits = not has_bytes and names_bits and has_value
         if not has_whole_register and not has_some_bits:
             message = "a row has either 'bytes' for the whole register, or 'at' and 'value' for some of its bits"
             report.add("default-mismatch", row.path, message)
             continue
-        register = registers.get(row.register)
+        register = register_by_name.get(row.register)
         if register is not None:
             _check_row_of_defaults(row, register, report)
 
@@ -120,8 +120,8 @@ def _differences_of_bits(row: WrittenPrintedDefault, register: WrittenRegister) 
         yield _Difference("value", f"{name} has no 'default' that contains these bits")
     else:
         width = bit_range.highest - bit_range.lowest + 1
-        mask = (1 << width) - 1
-        default_bits = (register.default >> bit_range.lowest) & mask
+        mask_of_width = (1 << width) - 1  # ``width`` ones.
+        default_bits = (register.default >> bit_range.lowest) & mask_of_width
         if default_bits != row.value:
             problem = f"the 'default' of {name} is {register.default:#x}, which gives {default_bits} in these bits"
             yield _Difference("value", f"{problem}, but the manual prints {row.value}")
@@ -186,7 +186,7 @@ def check_unused_bits(spec: WrittenSpec, report: DocumentReport) -> None:
         if field_list.owner_kind is not FieldOwner.REGISTER or not unused_bits:
             continue
         for field in field_list.fields:
-            contradicting_bits = unused_bits.intersection(_bits_of_place(field.at))
+            contradicting_bits = unused_bits.intersection(_bits_in_range_text(field.at))
             carries_data = field.constant is None and field.unused is None and field.equals != 0
             if contradicting_bits and carries_data:
                 message = (
@@ -196,9 +196,9 @@ def check_unused_bits(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("unused-bits", field.path_of("at"), message)
 
 
-def _bits_of_place(place: int | str | None) -> range:
-    """Return the bits of a place such as ``7:6`` or ``5``. Empty for None, and for text that is not a place."""
-    match = _FIELD_BITS.fullmatch(str(place))
+def _bits_in_range_text(bit_or_range: int | str | None) -> range:
+    """Return the bits of a range such as ``7:6`` or of the single bit ``5``. Empty for None, and for other text."""
+    match = _FIELD_BITS.fullmatch(str(bit_or_range))
     if match is None:
         return range(0)
     highest_text, lowest_text = match.groups()
@@ -242,7 +242,7 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
     The key ``used`` of an erratum is its text about what applies instead of the manual. A text about bits or fields, or
     with both accesses, is not compared.
     """
-    registers = by_name(spec.registers)
+    register_by_name = by_name(spec.registers)
     is_about_bits = re.search(r"\b(?:bit|field)", erratum.used, re.IGNORECASE) is not None
     stated_accesses = set(_ACCESS_IN_WORDS.findall(erratum.used))
     if is_about_bits or len(stated_accesses) != 1:
@@ -250,9 +250,9 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
     stated_access = f"{stated_accesses.pop()}_only"
     for affected_path in erratum.affects:
         section, _, name = affected_path.partition(".")
-        if section != "registers" or name not in registers:
+        if section != "registers" or name not in register_by_name:
             continue
-        access = registers[name].access
+        access = register_by_name[name].access
         if access != stated_access:
             message = f"this says {stated_access}, but {quoted(name)} is {access}; one of the two is wrong"
             report.add("access-mismatch", erratum.path_of("used"), message)
@@ -311,10 +311,10 @@ def check_read_only_registers(spec: WrittenSpec, report: DocumentReport) -> None
     for register in spec.registers:
         if register.access != "read_write":
             continue
-        has_values = any(field.values for field in register.fields)
-        is_written = has_values or register.name in written_names or register.has(*_KEYS_OF_WRITABLE)
+        has_named_values = any(field.values for field in register.fields)
+        can_be_written = has_named_values or register.name in written_names or register.has(*_KEYS_OF_WRITABLE)
         is_explained = "writ" in register.meaning.casefold() or "writ" in register.note.casefold()
-        if is_written or is_explained:
+        if can_be_written or is_explained:
             continue
         has_explained_flag = any(field.explained_by for field in register.fields)
         has_flag_of_alarm = has_explained_flag or register.name in registers_of_alarms
@@ -379,26 +379,31 @@ def check_addresses_and_commands(spec: WrittenSpec, report: DocumentReport) -> N
     registers = by_name(spec.registers).values()
     if not registers or is_derived(report.document):
         return
-    addresses: set[int] = set()
+    register_addresses: set[int] = set()  # Of every byte.
     for register in registers:
-        addresses.update(range(register.address, register.address + register.length))
+        register_addresses.update(range(register.address, register.address + register.length))
     coded_values = [value for path, value in leaves_of(spec.data, report) if path[-1] in _KEYS_OF_CODES]
     known_codes = {value for value in coded_values if isinstance(value, int)}
     for path, text in leaves_of(spec.data, report):
         is_text = path[-1] in KEYS_OF_TEXTS or path[0] == "tables"
         if not isinstance(text, str) or path[0] in SECTIONS_NOT_ABOUT_ENCODER or not is_text:
             continue
-        for match in _REGISTER_AT.finditer(text):
-            address = match["address"]
-            if int(address, 16) not in addresses:
-                named_register = quoted(f"register {address}h")
-                message = f"the text says {named_register}, but no register has this address; correct one of the two"
-                report.add("left-behind", path, message, cause=address)
-        for code in _command_codes(text):
-            if known_codes.isdisjoint(_numbers_of_code(code)):
-                named_command = quoted(f"command {code}")
+        _check_addresses_in_text(text, register_addresses, path, report)
+        for command_code in _command_codes(text):
+            if known_codes.isdisjoint(_numbers_of_code(command_code)):
+                named_command = quoted(f"command {command_code}")
                 problem = f"the text says {named_command}, but nothing here has this value"
-                report.add("left-behind", path, f"{problem}; correct one of the two", cause=code)
+                report.add("left-behind", path, f"{problem}; correct one of the two", cause=command_code)
+
+
+def _check_addresses_in_text(text: str, register_addresses: set[int], path: Path, report: DocumentReport) -> None:
+    """Report each address in a text, as in ``register 4Bh``, that no register has."""
+    for match in _REGISTER_AT.finditer(text):
+        address_text = match["address"]
+        if int(address_text, 16) not in register_addresses:
+            named_register = quoted(f"register {address_text}h")
+            message = f"the text says {named_register}, but no register has this address; correct one of the two"
+            report.add("left-behind", path, message, cause=address_text)
 
 
 def _numbers_of_code(code: str) -> set[int]:

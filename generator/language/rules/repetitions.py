@@ -123,11 +123,11 @@ def _has_data(field: WrittenField) -> bool:
 
 def _report_repeated(text_key: str, texts: Iterable[_NamedText], report: DocumentReport) -> None:
     """Report every text under ``text_key`` that an earlier part with another name also has, except empty texts."""
-    first_names: dict[str, str] = {}
+    first_name_by_text: dict[str, str] = {}
     for text, name, path in texts:
         if not text:
             continue
-        first_name = first_names.setdefault(text, name)
+        first_name = first_name_by_text.setdefault(text, name)
         if first_name != name:
             message = f"{quoted(first_name)} already has this text as its {quoted(text_key)}; one of the two is wrong"
             report.add("repeated-text", path, message)
@@ -162,16 +162,16 @@ LocatedValue = tuple[Path, object]
 
 def check_device_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a family and its file have the same name, and that no output reserves it."""
-    stem = report.document.family or family_of(report.document.file)
-    name = spec.device
-    if name and name != stem:
-        message = f"the device is called {quoted(name)}, but the file is called {quoted(stem)}"
+    family_of_file = report.document.family or family_of(report.document.file)
+    device_name = spec.device
+    if device_name and device_name != family_of_file:
+        message = f"the device is called {quoted(device_name)}, but the file is called {quoted(family_of_file)}"
         report.add("device-name", ("device",), f"{message}; use the same name for both")
-    if name in RESERVED_FAMILY_NAMES:
+    if device_name in RESERVED_FAMILY_NAMES:
         report.add(
             "device-name",
             ("device",),
-            f"{quoted(name)} is the name of {RESERVED_FAMILY_NAMES[name]}; rename the family",
+            f"{quoted(device_name)} is the name of {RESERVED_FAMILY_NAMES[device_name]}; rename the family",
         )
 
 
@@ -193,15 +193,17 @@ def check_duplicate_name(spec: WrittenSpec, report: DocumentReport) -> None:
     for procedure in spec.procedures:
         _check_unique_key(procedure.arguments, key="name", noun="an argument", report=report)
     for connector in spec.connectors:
-        located_contacts: list[LocatedValue] = []
-        for index, contact in enumerate(connector.part.contacts):
-            located_contacts.append(((*connector.path, "contacts", index, "contact"), contact.contact))
-        _check_unique(located_contacts, "a contact", report)
+        contact_names = [contact.contact for contact in connector.part.contacts]
+        _check_unique(_located_in_list(contact_names, (*connector.path, "contacts"), "contact"), "a contact", report)
     for led in spec.leds:
-        located_states: list[LocatedValue] = []
-        for index, led_state in enumerate(led.part.states):
-            located_states.append(((*led.path, "states", index, "state"), led_state.state))
-        _check_unique(located_states, "a state", report)
+        state_names = [led_state.state for led_state in led.part.states]
+        _check_unique(_located_in_list(state_names, (*led.path, "states"), "state"), "a state", report)
+
+
+def _located_in_list(names: Iterable[str], list_path: Path, key: str) -> Iterator[LocatedValue]:
+    """Yield each name with its path. The names are under ``key`` in the elements of the list at ``list_path``."""
+    for index, name in enumerate(names):
+        yield (*list_path, index, key), name
 
 
 def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
@@ -225,11 +227,11 @@ def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
 
 def check_duplicate_title(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two errata have the same title, because readers see only the title."""
-    first_paths: dict[str, Path] = {}
+    first_path_by_title: dict[str, Path] = {}
     for erratum in spec.errata:
         if erratum.title == MISSING_PROSE:
             continue
-        first_path = first_paths.setdefault(erratum.title, erratum.path)
+        first_path = first_path_by_title.setdefault(erratum.title, erratum.path)
         if first_path != erratum.path:
             line, _ = report.document.position((*first_path, "title"))
             message = f"the erratum on line {line} has the same title; say what differs in this one"
@@ -241,13 +243,13 @@ def check_duplicate_field(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A decoder returns all of them by name.
     """
-    groups = by_name(spec.field_groups)
+    group_by_name = by_name(spec.field_groups)
     for field_list in field_lists(spec):
         located_names: list[LocatedValue] = []
-        use_paths = {field.path for field in field_list.fields if field.use}
-        for path, field in with_groups_expanded(field_list, groups):
+        paths_of_included_groups = {field.path for field in field_list.fields if field.use}
+        for path, field in with_groups_expanded(field_list, group_by_name):
             # A name in a group is reported at its use, because that is what makes it occur twice.
-            name_path = path if path in use_paths else (*path, "name")
+            name_path = path if path in paths_of_included_groups else (*path, "name")
             located_names.append((name_path, field.name or None))  # _check_unique ignores None.
             for index, digit_group in enumerate(field.digits):
                 located_names.append(((*path, "digits", index, "name"), digit_group.part.name))
@@ -258,20 +260,22 @@ def check_duplicate_field(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def check_duplicate_selection(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no value of the field that identifies frames belongs to two frames of one sender over an interface."""
-    first_frames: dict[tuple[str, str, int], str] = {}  # By the interface, the sender and the value.
+    first_frame_by_selection: dict[tuple[str, str, int], str] = {}  # By the interface, the sender and the value.
     for frame in layouts_of_interfaces(spec):
         sender = frame.layout.from_ if frame.layout is not None else ""
-        for selector, values in frame.selectors.items():
-            for index, value in enumerate(values):
-                first_frame = first_frames.setdefault((frame.interface, sender, value), frame.name)
+        for selector, selecting_values in frame.selectors.items():
+            for index, selecting_value in enumerate(selecting_values):
+                first_frame = first_frame_by_selection.setdefault(
+                    (frame.interface, sender, selecting_value), frame.name
+                )
                 if first_frame != frame.name:
                     earlier_use = f"used by {quoted(first_frame)}"
-                elif value in values[:index]:
+                elif selecting_value in selecting_values[:index]:
                     earlier_use = "listed"
                 else:
                     continue
                 message = (
-                    f"{quoted(selector)} {value} is already {earlier_use}; "
+                    f"{quoted(selector)} {selecting_value} is already {earlier_use}; "
                     f"use each value for only one frame of the {sender}"
                 )
                 report.add("duplicate-name", (*frame.owner.path, "when", selector, index), message)
@@ -333,9 +337,9 @@ def check_value_clash(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two named values of a field have the same number, because a decoder could not choose."""
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            first_names: dict[int, str] = {}
+            first_name_by_number: dict[int, str] = {}
             for name, value in field.values.items():
-                first_name = first_names.setdefault(value.value, name)
+                first_name = first_name_by_number.setdefault(value.value, name)
                 if first_name != name:
                     message = f"{value.value:#x} is already {quoted(first_name)}; a number can have only one name"
                     report.add("value-clash", value.path_of("value"), message)
@@ -362,11 +366,11 @@ def _check_unique(located_values: Iterable[LocatedValue], noun: str, report: Doc
 
     ``noun`` describes a part with such a value in the message, such as "a register".
     """
-    first_paths: dict[object, Path] = {}
+    first_path_by_value: dict[object, Path] = {}
     for path, value in located_values:
         if value is None:
             continue
-        first_path = first_paths.setdefault(value, path)
+        first_path = first_path_by_value.setdefault(value, path)
         if first_path == path:
             continue
         value_text = f"{value:#04x}" if isinstance(value, int) else quoted(value)

@@ -25,7 +25,7 @@ from .parts import (
 Exchanges = Sequence[WrittenRs485Exchange] | Sequence[WrittenSpiExchange]
 LayoutsByName = Mapping[str, WrittenLayout]
 #: Key of the frame in an exchange by its sender.
-KEYS: Mapping[str, str] = {"master": "request", "encoder": "reply"}
+_FRAME_KEY_BY_SENDER: Mapping[str, str] = {"master": "request", "encoder": "reply"}
 #: Bits of the longest SPI word. Another rule reports a longer one.
 _WIDEST_WORD = 64
 
@@ -60,28 +60,28 @@ def _frame_name(exchange: WrittenRs485Exchange | WrittenSpiExchange, frame_key: 
     return exchange.request if frame_key == "request" else exchange.reply
 
 
-def _check_frames_of_exchanges(exchanges: Exchanges, layouts: LayoutsByName, report: DocumentReport) -> None:
+def _check_frames_of_exchanges(exchanges: Exchanges, layout_by_name: LayoutsByName, report: DocumentReport) -> None:
     """Check that the request of each exchange is a layout that the master sends, and the reply one from the encoder."""
-    for sender, key in KEYS.items():
-        known_names = [name for name, layout in layouts.items() if layout.from_ == sender]
+    for sender, frame_key in _FRAME_KEY_BY_SENDER.items():
+        known_names = [frame_name for frame_name, layout in layout_by_name.items() if layout.from_ == sender]
         for exchange in exchanges:
-            name = _frame_name(exchange, key)
-            if name and name not in known_names:
-                hint = suggest_word(name, known_names)
-                message = f"there is no layout {quoted(name)} from the {sender}{hint}"
-                report.add("undefined-reference", exchange.path_of(key), message)
+            frame_name = _frame_name(exchange, frame_key)
+            if frame_name and frame_name not in known_names:
+                hint = suggest_word(frame_name, known_names)
+                message = f"there is no layout {quoted(frame_name)} from the {sender}{hint}"
+                report.add("undefined-reference", exchange.path_of(frame_key), message)
 
 
 def _report_frame_without_exchange(
     layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport
 ) -> None:
     """Report a frame that is in no exchange, as the request of the master or as the reply of the encoder."""
-    if layout.from_ not in KEYS:
+    if layout.from_ not in _FRAME_KEY_BY_SENDER:
         return
-    key = KEYS[layout.from_]  # 'request' or 'reply'
-    names_in_exchanges = [_frame_name(exchange, key) for exchange in exchanges]
+    frame_key = _FRAME_KEY_BY_SENDER[layout.from_]  # 'request' or 'reply'
+    names_in_exchanges = [_frame_name(exchange, frame_key) for exchange in exchanges]
     if layout.name not in names_in_exchanges:
-        message = f"no exchange has {quoted(layout.name)} as its {key}; add one under 'exchanges'"
+        message = f"no exchange has {quoted(layout.name)} as its {frame_key}; add one under 'exchanges'"
         report.add(rule, layout.path, message)
 
 
@@ -179,10 +179,10 @@ def _check_registers_over_spi(spec: WrittenSpec, report: DocumentReport) -> None
             if field.equals is not None:
                 message = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
                 report.add("spi-exchange", field.path_of("equals"), message, at_key=True)
-    registers = by_name(spec.with_invalid_parts.registers)
+    register_by_name = by_name(spec.with_invalid_parts.registers)
     for name, parameter in spec.parameters.items():
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
-        if interface_name_of(registers.get(register_name)) == Spi.name:
+        if interface_name_of(register_by_name.get(register_name)) == Spi.name:
             message = (
                 f"a parameter cannot be read from a register over SPI; remove 'read_from' from {quoted(name)}"
                 ", and give it a value for each order code"
@@ -222,10 +222,10 @@ _KEYS_WITH_KNOWN_VALUES = ("constant", "unused", "parity_of", "crc", "use")
 
 def _check_frames_over_spi(interface: WrittenSpi, report: DocumentReport) -> None:
     """Check that each frame over SPI is in an exchange and carried as bits."""
-    for index, layout in enumerate(interface.layouts):
+    for layout_index, layout in enumerate(interface.layouts):
         is_request = layout.from_ == "master"
         # Without exchanges, the first frame can be the only one: it is read with any word.
-        if interface.exchanges or is_request or index > 0:
+        if interface.exchanges or is_request or layout_index > 0:
             _report_frame_without_exchange(layout, interface.exchanges, rule="spi-exchange", report=report)
         if layout.carried_as == "bytes":
             message = f"{quoted(layout.name)} is an SPI word, which is always carried as bits; remove 'carried_as'"
@@ -251,15 +251,15 @@ def _check_register_accesses(
 
     The frames of these exchanges must contain the address and the data. Only one exchange may read registers.
     """
-    groups = by_name(spec.with_invalid_parts.field_groups)
-    layouts = by_name(interface_with_invalid_parts.layouts)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
+    layout_by_name = by_name(interface_with_invalid_parts.layouts)
     all_registers = spec.with_invalid_parts.registers
     spi_registers = [register for register in all_registers if interface_name_of(register) == Spi.name]
     for purpose, impossible_access in (("read", "write_only"), ("write", "read_only")):
         accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
         if accesses:
-            _check_requests_of_accesses(accesses, purpose, layouts, groups, report)
-            _check_replies_of_accesses(accesses, purpose, layouts, groups, report)
+            _check_requests_of_accesses(accesses, purpose, layout_by_name, group_by_name, report)
+            _check_replies_of_accesses(accesses, purpose, layout_by_name, group_by_name, report)
         if purpose == "read" and len(accesses) > 1:
             second_access = accesses[1]
             message = "a second request reads registers; keep one"
@@ -277,8 +277,8 @@ def _check_register_accesses(
 def _check_requests_of_accesses(
     accesses: Sequence[WrittenSpiExchange],
     purpose: str,
-    layouts: LayoutsByName,
-    groups: Groups,
+    layout_by_name: LayoutsByName,
+    group_by_name: Groups,
     report: DocumentReport,
 ) -> None:
     """Check that the requests of exchanges together have the fields to read (or write) a register: address and data.
@@ -288,34 +288,34 @@ def _check_requests_of_accesses(
     needed_names = _NEEDED_IN_REQUEST[purpose]
     known_names: set[str] = set()
     for exchange in accesses:
-        known_names |= _names_in_frame(exchange.request, layouts, groups)
+        known_names |= _names_in_frame(exchange.request, layout_by_name, group_by_name)
     missing_names = [name for name in needed_names if name not in known_names]
     if missing_names:
         _report_missing_field(accesses[0], frame_key="request", missing_name=missing_names[0], report=report)
     else:
-        _report_undecided_fields(accesses, needed_names, layouts, report)
+        _report_undecided_fields(accesses, needed_names, layout_by_name, report)
 
 
 def _check_replies_of_accesses(
     accesses: Sequence[WrittenSpiExchange],
     purpose: str,
-    layouts: LayoutsByName,
-    groups: Groups,
+    layout_by_name: LayoutsByName,
+    group_by_name: Groups,
     report: DocumentReport,
 ) -> None:
     """Check that the replies of exchanges that read registers together have the field ``data``."""
     known_names: set[str] = set()
     for exchange in accesses:
-        known_names |= _names_in_frame(exchange.reply, layouts, groups)
+        known_names |= _names_in_frame(exchange.reply, layout_by_name, group_by_name)
     missing_names = [name for name in _NEEDED_IN_REPLY[purpose] if name not in known_names]
     if missing_names:
         _report_missing_field(accesses[0], frame_key="reply", missing_name=missing_names[0], report=report)
 
 
-def _names_in_frame(frame_name: str, layouts: LayoutsByName, groups: Groups) -> set[str]:
+def _names_in_frame(frame_name: str, layout_by_name: LayoutsByName, group_by_name: Groups) -> set[str]:
     """Return the names of the fields of a frame. The set is empty if there is no such frame."""
-    layout = layouts.get(frame_name)
-    return set(fields_by_name(_as_field_list(layout), groups)) if layout is not None else set()
+    layout = layout_by_name.get(frame_name)
+    return set(fields_by_name(_as_field_list(layout), group_by_name)) if layout is not None else set()
 
 
 def _report_missing_field(
@@ -330,12 +330,12 @@ def _report_missing_field(
 def _report_undecided_fields(
     accesses: Sequence[WrittenSpiExchange],
     needed_names: tuple[str, ...],
-    layouts: LayoutsByName,
+    layout_by_name: LayoutsByName,
     report: DocumentReport,
 ) -> None:
     """Report each request that accesses registers and has another field whose value a user would have to choose."""
     for exchange in accesses:
-        names_to_choose = _fields_to_choose(layouts.get(exchange.request))
+        names_to_choose = _fields_to_choose(layout_by_name.get(exchange.request))
         undecided_names = [field_name for field_name in names_to_choose if field_name not in needed_names]
         if undecided_names:
             problem = f"a register access gives no value for {quoted(undecided_names[0])}"
@@ -356,16 +356,16 @@ def check_requests_that_write(spec: WrittenSpec, report: DocumentReport) -> None
     # A second reading repeats printed facts, without the notes that may explain them.
     if interface is None or is_second_reading(report.document):
         return
-    groups = by_name(spec.with_invalid_parts.field_groups)
-    layouts = by_name(interface.layouts)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
+    layout_by_name = by_name(interface.layouts)
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]
-    word_by_write = dict(_words_of_writes(write_requests, layouts, groups))
+    word_by_write = dict(_words_of_writes(write_requests, layout_by_name, group_by_name))
     for exchange in interface.exchanges:
         name = exchange.request
-        if name not in layouts or name in write_requests:
+        if name not in layout_by_name or name in write_requests:
             continue
-        word = _word_with_constant_bits(layouts[name], groups)
-        is_explained = bool(layouts[name].note)
+        word = _word_with_constant_bits(layout_by_name[name], group_by_name)
+        is_explained = bool(layout_by_name[name].note)
         if is_explained or not word:
             continue
         equal_writes = [write for write, word_of_write in word_by_write.items() if _may_be_equal(word, word_of_write)]
@@ -376,7 +376,7 @@ def check_requests_that_write(spec: WrittenSpec, report: DocumentReport) -> None
 
 
 def _words_of_writes(
-    write_requests: Sequence[str], layouts: LayoutsByName, groups: Groups
+    write_requests: Sequence[str], layout_by_name: LayoutsByName, group_by_name: Groups
 ) -> Iterator[tuple[str, str]]:
     """Yield each request that writes a register and that a word can be compared with, with its word such as ``01??``.
 
@@ -384,10 +384,10 @@ def _words_of_writes(
     address, and the encoder recognizes it by the word before.
     """
     for name in write_requests:
-        if name not in layouts:
+        if name not in layout_by_name:
             continue
-        word = _word_with_constant_bits(layouts[name], groups)
-        has_address_to_choose = "address" in _names_without_fixed_value(layouts[name], groups)
+        word = _word_with_constant_bits(layout_by_name[name], group_by_name)
+        has_address_to_choose = "address" in _names_without_fixed_value(layout_by_name[name], group_by_name)
         if has_address_to_choose and _has_constant(word):
             yield name, word
 
@@ -405,13 +405,13 @@ def _may_be_equal(word: str, other_word: str) -> bool:
     return all(bit == other_bit or "?" in (bit, other_bit) for bit, other_bit in bit_pairs)
 
 
-def _word_with_constant_bits(layout: WrittenLayout, groups: Groups) -> str:
+def _word_with_constant_bits(layout: WrittenLayout, group_by_name: Groups) -> str:
     """Return the bits of a word as text such as ``01??``, with a question mark for each bit that is not constant.
 
     The result is empty if the width of a field depends on the order code or is too large.
     """
     word = ""
-    for _, field in with_groups_expanded(_as_field_list(layout), groups):
+    for _, field in with_groups_expanded(_as_field_list(layout), group_by_name):
         width = 1 if field.parity_of else constant_width(field)
         if width is None or width > _WIDEST_WORD:
             return ""
@@ -425,8 +425,8 @@ def _fixed_value(field: WrittenField) -> int | None:
     return field.unused if field.constant is None else field.constant
 
 
-def _names_without_fixed_value(layout: WrittenLayout, groups: Groups) -> Iterator[str]:
+def _names_without_fixed_value(layout: WrittenLayout, group_by_name: Groups) -> Iterator[str]:
     """Yield the names of the fields of a layout whose values can change."""
-    for _, field in with_groups_expanded(_as_field_list(layout), groups):
+    for _, field in with_groups_expanded(_as_field_list(layout), group_by_name):
         if _fixed_value(field) is None:
             yield field.name

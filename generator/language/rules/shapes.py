@@ -53,7 +53,7 @@ def check_layout_keys(spec: WrittenSpec, report: DocumentReport) -> None:
                 _check_unlisted_values(field_list, field, report)
         _check_positions_of_fields(field_list, report)
         if field_list.layout is not None:
-            _check_form_on_line(field_list, field_list.layout, spec, report)
+            _check_keys_for_bits_or_bytes(field_list, field_list.layout, spec, report)
 
 
 def _check_inclusion_of_group(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
@@ -77,7 +77,7 @@ def _check_keys_of_field(field: WrittenField, report: DocumentReport) -> None:
         report.add("layout-keys", field.path, "a field needs 'name', or 'use' to include a group")
         return
     _check_keys_of_kind(field, report)
-    _check_width_and_place(field, report)
+    _check_width_and_position(field, report)
 
 
 def _check_keys_of_kind(field: WrittenField, report: DocumentReport) -> None:
@@ -103,8 +103,8 @@ def _check_keys_of_kind(field: WrittenField, report: DocumentReport) -> None:
     _check_flag_keys(field, report)
     _check_keys_of_checks(field, report)
     if field.byte_order and kind_keys and kind_keys[0] not in _KINDS_WITH_BYTE_ORDER:
-        allowed = "numbers, named values, constants and CRCs"
-        problem = f"'byte_order' is only for {allowed}; {name} has {quoted(kind_keys[0])}, so remove it"
+        allowed_kinds = "numbers, named values, constants and CRCs"
+        problem = f"'byte_order' is only for {allowed_kinds}; {name} has {quoted(kind_keys[0])}, so remove it"
         report.add("layout-keys", field.path_of("byte_order"), problem, at_key=True)
     _check_expected_value(field, kind_keys, report)
 
@@ -194,8 +194,8 @@ def _obstacle_to_others(field_list: FieldList, field: WrittenField) -> str:
     return ""
 
 
-def _check_width_and_place(field: WrittenField, report: DocumentReport) -> None:
-    """Check that a field has a width, and that its width and place are given once.
+def _check_width_and_position(field: WrittenField, report: DocumentReport) -> None:
+    """Check that a field has a width, and that its width and position are given once.
 
     The width is given by ``bits``, by a range in ``at``, or by the kind of field.
     """
@@ -244,12 +244,12 @@ def _check_positions_of_fields(field_list: FieldList, report: DocumentReport) ->
     report.add("layout-keys", field.path, message)
 
 
-def _check_form_on_line(
+def _check_keys_for_bits_or_bytes(
     field_list: FieldList, layout: WrittenLayout, spec: WrittenSpec, report: DocumentReport
 ) -> None:
-    """Check that a layout has only keys for the form in which it is sent: as bits or as bytes.
+    """Check that a layout has only keys for the way in which it is sent: as bits or as bytes.
 
-    Without ``carried_as``, the form is the usual one of its interface.
+    Without ``carried_as``, it is sent as usual over its interface.
     """
     interface = INTERFACES[field_list.interface]
     carried_as = layout.carried_as or interface.carried_as
@@ -371,9 +371,9 @@ def _check_example_of_frame(example: WrittenExample, report: DocumentReport) -> 
 
 def check_example_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure has a value for each argument of the procedure."""
-    procedures = by_name(spec.with_invalid_parts.procedures)
+    procedure_by_name = by_name(spec.with_invalid_parts.procedures)
     for example in spec.examples:
-        procedure = procedures.get(example.procedure)
+        procedure = procedure_by_name.get(example.procedure)
         if example.kind != "procedure" or procedure is None:
             continue
         missing_arguments = [name for name in by_name(procedure.arguments) if name not in example.arguments]
@@ -408,9 +408,11 @@ def check_keys(step_or_example: WrittenPart, kind: str, *, rule: str, subject: s
 
 def check_field_count(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no list of fields has more than ``MAX_FIELDS`` if the groups in it are written out."""
-    counts_by_group = {name: len(group.fields) for name, group in by_name(spec.with_invalid_parts.field_groups).items()}
+    field_count_by_group = {
+        name: len(group.fields) for name, group in by_name(spec.with_invalid_parts.field_groups).items()
+    }
     for field_list in field_lists(spec):
-        count = sum(counts_by_group.get(field.use, 1) for field in field_list.fields)
-        if count > MAX_FIELDS:
-            problem = f"'fields' has {count} entries with those of its groups; the limit is {MAX_FIELDS}"
+        field_count = sum(field_count_by_group.get(field.use, 1) for field in field_list.fields)
+        if field_count > MAX_FIELDS:
+            problem = f"'fields' has {field_count} entries with those of its groups; the limit is {MAX_FIELDS}"
             report.add("too-long", field_list.owner.path_of("fields"), problem)

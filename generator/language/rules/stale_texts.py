@@ -61,18 +61,18 @@ def check_erratum_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
     erratum_targets = ErratumTargets(spec.data)
     for erratum in spec.errata:
         key = "used"
-        quantities = list(_QUANTITY_IN_TEXT.finditer(erratum.used))
-        if not quantities:
+        quantity_matches = list(_QUANTITY_IN_TEXT.finditer(erratum.used))
+        if not quantity_matches:
             key = "printed"
-            quantities = list(_QUANTITY_IN_TEXT.finditer(erratum.printed))
+            quantity_matches = list(_QUANTITY_IN_TEXT.finditer(erratum.printed))
         # An erratum with readings is about two printed values, and the facts have only one of them.
-        if not quantities or erratum.readings:
+        if not quantity_matches or erratum.readings:
             continue
         affected_facts: list[object] = []
         for affected_path in erratum.affects:
             affected_facts += erratum_targets.values_at(affected_path)
         texts_by_kind = _texts_of_quantities(affected_facts)
-        messages = [_message_on_quantity(quantity, texts_by_kind) for quantity in quantities]
+        messages = [_message_on_quantity(quantity_match, texts_by_kind) for quantity_match in quantity_matches]
         first_message = next(filter(None, messages), "")
         if first_message:
             report.add("left-behind", erratum.path_of(key), first_message, cause=first_message)
@@ -86,18 +86,21 @@ def _texts_of_quantities(facts: Iterable[object]) -> dict[str, dict[Decimal, str
     return texts_by_kind
 
 
-def _message_on_quantity(quantity: re.Match[str], texts_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
+def _message_on_quantity(quantity_match: re.Match[str], texts_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
     """Return the message about a quantity in a text that differs from all quantities of its kind in the facts.
 
     ``texts_by_kind`` contains, for each kind such as voltage, the numbers in the facts in the smallest unit, with
     their texts. The result is empty if the quantity is one of them, or if there are none.
     """
-    number_text, unit = quantity.group("number", "unit")
+    number_text, unit = quantity_match.group("number", "unit")
     text_by_number = texts_by_kind.get(_KIND_OF_UNIT[unit], {})
     if not text_by_number or _in_smallest_unit(number_text, unit) in text_by_number:
         return ""
-    stated_texts = join_words(list(filter(None, text_by_number.values())), "or")
-    return f"the text says {quoted(quantity[0])}, but the affected facts have {stated_texts}; correct one of the two"
+    texts = [text for text in text_by_number.values() if text]  # The mean of two bounds has no text.
+    stated_texts = join_words(texts, "or")
+    return (
+        f"the text says {quoted(quantity_match[0])}, but the affected facts have {stated_texts}; correct one of the two"
+    )
 
 
 class _StatedQuantity(NamedTuple):
@@ -191,14 +194,14 @@ def check_renamed_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     known_names = {_name_for_comparison(name) for name in _names_of_all_parts(spec, report)}
     words_by_name: dict[str, list[str]] = {}  # The words of each long printed name.
     for register in by_name(spec.registers).values():
-        words = register.printed_name.split()
-        if len(words) >= _WORDS_OF_LONG_NAME:
-            words_by_name[register.printed_name] = words
+        words_of_name = register.printed_name.split()
+        if len(words_of_name) >= _WORDS_OF_LONG_NAME:
+            words_by_name[register.printed_name] = words_of_name
     if not words_by_name:
         return
     for path, text in texts_about_encoder(spec, KEYS_OF_TEXTS | {"printed", "title"}, report):
-        for name, words in words_by_name.items():
-            similar_phrase = _similar_phrase(text, words)
+        for name, words_of_name in words_by_name.items():
+            similar_phrase = _similar_phrase(text, words_of_name)
             if similar_phrase and _name_for_comparison(similar_phrase) not in known_names:
                 problem = f"nothing here is called {quoted(similar_phrase)}; did you mean {quoted(name)}?"
                 report.add("left-behind", path, f"{problem} Correct the text", cause=similar_phrase)
@@ -248,16 +251,16 @@ def check_led_states(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A spec without LEDs is not checked.
     """
-    states: list[str] = []
+    state_names: list[str] = []
     for led in spec.data.get("leds", ()):
-        states += [str(led_state.get("state", "")).casefold() for led_state in led["states"]]
-    words_of_states = set(re.findall(r"\w+", " ".join(states)))
-    if not states or is_derived(report.document):
+        state_names += [str(led_state.get("state", "")).casefold() for led_state in led["states"]]
+    words_of_known_states = set(re.findall(r"\w+", " ".join(state_names)))
+    if not state_names or is_derived(report.document):
         return
     for path, text in texts_about_encoder(spec, _TEXTS_ON_LEDS, report):
         for match in _LED_IS.finditer(text):
             state = match.group("state")
-            if state.casefold() not in words_of_states:
+            if state.casefold() not in words_of_known_states:
                 problem = f"the text says {quoted(match[0])}, but no LED has the state {quoted(state)}"
                 report.add("left-behind", path, f"{problem}; correct one of the two", cause=state)
 
@@ -290,16 +293,16 @@ _DEFAULT_IN_TEXT = re.compile(rf"\bdefault (?:value )?(?:is |of ){_NUMBER}(?! un
 _AS_DELIVERED = frozenset(("default", "defaults", "delivered"))
 
 
-class _KeyWithText(NamedTuple):
+class _StatedKey(NamedTuple):
     """A key of a part of a spec that contains a number, and a pattern that finds this number in a text."""
 
     section: str
-    key: str
+    name: str
     pattern: re.Pattern[str]
 
 
-_INIT_OF_CRC = _KeyWithText("crcs", "init", _START_VALUE)
-_DEFAULT_OF_REGISTER = _KeyWithText("registers", "default", _DEFAULT_IN_TEXT)
+_INIT_OF_CRC = _StatedKey("crcs", "init", _START_VALUE)
+_DEFAULT_OF_REGISTER = _StatedKey("registers", "default", _DEFAULT_IN_TEXT)
 #: Numbers by the names of their registers or CRCs. None if the spec does not give one.
 _NumberByName = Mapping[str, int | None]
 
@@ -318,12 +321,12 @@ def check_start_values(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def check_defaults(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a default in the text of an erratum, or shown by an example, is the ``default`` of its register."""
-    registers = by_name(spec.registers)
-    defaults = {name: register.default for name, register in registers.items()}
+    register_by_name = by_name(spec.registers)
+    defaults = {name: register.default for name, register in register_by_name.items()}
     for erratum in spec.errata:
         _check_number_in_erratum(erratum, _DEFAULT_OF_REGISTER, defaults, report)
     for example in spec.examples:
-        register = registers.get(example.register)
+        register = register_by_name.get(example.register)
         if register is not None and _shows_default(example):
             _check_shown_default(example, register, report)
 
@@ -355,17 +358,19 @@ def _check_shown_default(example: WrittenExample, register: WrittenRegister, rep
 
 
 def _check_number_in_erratum(
-    erratum: WrittenErratum, key: _KeyWithText, number_by_name: _NumberByName, report: DocumentReport
+    erratum: WrittenErratum, stated_key: _StatedKey, number_by_name: _NumberByName, report: DocumentReport
 ) -> None:
     """Check that the number in ``used``, an erratum's text about what applies, is that of the part that it affects.
 
     ``number_by_name`` contains the number under the key for each part of the section.
     """
-    affected_numbers = _numbers_affected_by(erratum, key, number_by_name)
-    _check_number_in_text(erratum.used, key, affected_numbers, path=erratum.path_of("used"), report=report)
+    affected_numbers = _numbers_affected_by(erratum, stated_key, number_by_name)
+    _check_number_in_text(erratum.used, stated_key, affected_numbers, path=erratum.path_of("used"), report=report)
 
 
-def _numbers_affected_by(erratum: WrittenErratum, key: _KeyWithText, number_by_name: _NumberByName) -> _NumberByName:
+def _numbers_affected_by(
+    erratum: WrittenErratum, stated_key: _StatedKey, number_by_name: _NumberByName
+) -> _NumberByName:
     """Return those of ``number_by_name`` that an erratum affects: the values of a key in the parts of a section.
 
     For the section ``crcs`` and the key ``init``, an erratum affects the number of the CRC ``word`` if it affects
@@ -374,30 +379,30 @@ def _numbers_affected_by(erratum: WrittenErratum, key: _KeyWithText, number_by_n
     affected_numbers: dict[str, int | None] = {}
     for affected_path in erratum.affects:
         section, *names = affected_path.split(".")
-        if section != key.section or not names:
+        if section != stated_key.section or not names:
             continue
         part_name, *keys = names
-        affects_number = keys in ([], [key.key])
+        affects_number = keys in ([], [stated_key.name])
         if affects_number and part_name in number_by_name:
             affected_numbers[part_name] = number_by_name[part_name]
     return affected_numbers
 
 
 def _check_number_in_text(
-    text: str, key: _KeyWithText, number_by_name: _NumberByName, *, path: Path, report: DocumentReport
+    text: str, stated_key: _StatedKey, number_by_name: _NumberByName, *, path: Path, report: DocumentReport
 ) -> None:
-    """Report a text whose number, found with the pattern of ``key``, differs from one of ``number_by_name``.
+    """Report a text whose number, found with the pattern of ``stated_key``, differs from one of ``number_by_name``.
 
     Only the first difference is reported. Numbers that are None are not compared.
     """
-    match = key.pattern.search(text)
+    match = stated_key.pattern.search(text)
     if match is None:
         return
     possible_numbers = _possible_numbers(match["number"])
     for name, number in number_by_name.items():
         if number is not None and number not in possible_numbers:
             message = (
-                f"the text says {quoted(match[0])}, but {quoted(key.key)} of {quoted(name)} is {number:#x}; "
+                f"the text says {quoted(match[0])}, but {quoted(stated_key.name)} of {quoted(name)} is {number:#x}; "
                 "correct one of the two"
             )
             report.add("left-behind", path, message)

@@ -34,12 +34,12 @@ _MILLISECONDS_IN_TEXT = re.compile(r"(?<![\w.,])(\d+) ?ms\b")
 
 def check_interface_of_steps(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure for an interface of the spec accesses only registers of this interface."""
-    registers = by_name(spec.registers)
+    register_by_name = by_name(spec.registers)
     for procedure in spec.procedures:
         if procedure.interface not in spec.interfaces.data:
             continue
         for step in procedure.steps:
-            register = registers.get(step.register)
+            register = register_by_name.get(step.register)
             if step.do not in _KINDS_OF_ACCESS or register is None:
                 continue
             interface_of_register = interface_name_of(register)
@@ -53,14 +53,14 @@ def check_interface_of_steps(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def check_polled_values(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a step that polls a field waits for a value that fits in the field."""
-    registers = by_name(spec.registers)
-    groups = by_name(spec.with_invalid_parts.field_groups)
+    register_by_name = by_name(spec.registers)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
-            register = registers.get(step.register)
+            register = register_by_name.get(step.register)
             if step.do != "poll" or register is None or step.until is None:
                 continue
-            width = _width_of_field(register, step.field, groups)
+            width = _width_of_field(register, step.field, group_by_name)
             if width is None:
                 continue
             bits_above_width = step.until >> width
@@ -70,9 +70,9 @@ def check_polled_values(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("value-too-wide", step.path_of("until"), message)
 
 
-def _width_of_field(register: WrittenRegister, field_name: str, groups: Groups) -> int | None:
+def _width_of_field(register: WrittenRegister, field_name: str, group_by_name: Groups) -> int | None:
     """Return the width of a field of a register, or None if the width is not constant or the field does not exist."""
-    for field in fields_of(register, groups):
+    for field in fields_of(register, group_by_name):
         if field.name == field_name:
             return constant_width(field)
     return None
@@ -85,11 +85,11 @@ def check_waits_of_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     if is_second_reading(report.document):  # Second readings have no such texts.
         return
-    registers = by_name(spec.registers)
+    register_by_name = by_name(spec.registers)
     for procedure in spec.procedures:
         explained_ms = set(_milliseconds_in_texts(procedure))
         for write, waits in _waits_after_writes(procedure):
-            needed_ms = _needed_wait_ms(write, registers)
+            needed_ms = _needed_wait_ms(write, register_by_name)
             waited_ms = sum(wait.at_least_ms or 0 for wait in waits)
             if needed_ms is None or waited_ms in explained_ms:
                 continue
@@ -125,13 +125,13 @@ def check_wait_at_end(spec: WrittenSpec, report: DocumentReport) -> None:
 
     The two steps are then probably in the wrong order, unless the step before the wait needs a wait, too.
     """
-    registers = by_name(spec.registers)
+    register_by_name = by_name(spec.registers)
     for procedure in spec.procedures:
         if [step.do for step in procedure.steps[-2:]] != ["wait", "write"]:
             continue
         *earlier_steps, wait, last_write = procedure.steps
-        needed_ms = _needed_wait_ms(last_write, registers)
-        is_for_step_before = bool(earlier_steps) and _needed_wait_ms(earlier_steps[-1], registers) is not None
+        needed_ms = _needed_wait_ms(last_write, register_by_name)
+        is_for_step_before = bool(earlier_steps) and _needed_wait_ms(earlier_steps[-1], register_by_name) is not None
         if needed_ms is None or is_for_step_before:
             continue
         if wait.at_least_ms == needed_ms:
@@ -142,9 +142,9 @@ def check_wait_at_end(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("wait-too-short", last_write.path, message, cause=last_write.register)
 
 
-def _needed_wait_ms(step: WrittenStep, registers: Mapping[str, WrittenRegister]) -> int | None:
+def _needed_wait_ms(step: WrittenStep, register_by_name: Mapping[str, WrittenRegister]) -> int | None:
     """Return the wait in ms that the register of a step needs after a write, or None if none is known."""
-    register = registers.get(step.register)
+    register = register_by_name.get(step.register)
     return register.wait_at_least_ms if register is not None else None
 
 
@@ -204,13 +204,13 @@ def check_step_access(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A step that writes one field of a register with other bits must also read the register, to keep the other bits.
     """
-    registers = by_name(spec.with_invalid_parts.registers)
-    groups = by_name(spec.with_invalid_parts.field_groups)
+    register_by_name = by_name(spec.with_invalid_parts.registers)
+    group_by_name = by_name(spec.with_invalid_parts.field_groups)
     for procedure in spec.procedures:
         for step in procedure.steps:
-            register = register_of_step(step, registers)
+            register = register_of_step(step, register_by_name)
             writes_one_field = step.do == "write" and bool(step.field)
-            keeps_other_bits = writes_one_field and has_other_bits(register, groups)
+            keeps_other_bits = writes_one_field and has_other_bits(register, group_by_name)
             if keeps_other_bits and register.access == "write_only":
                 message = (
                     f"{quoted(step.register)} is write_only, so a step cannot keep its other bits; "
@@ -221,12 +221,12 @@ def check_step_access(spec: WrittenSpec, report: DocumentReport) -> None:
             if is_impossible:
                 message = f"{quoted(step.register)} is {register.access}, so a step cannot {step.do} it"
                 report.add("access-mismatch", step.path_of("register"), message)
-    _check_written_registers(spec, _names_with_access(registers, "read_only"), report)
-    _check_read_registers(spec, _names_with_access(registers, "write_only"), report)
+    _check_written_registers(spec, _names_with_access(register_by_name, "read_only"), report)
+    _check_read_registers(spec, _names_with_access(register_by_name, "write_only"), report)
 
 
-def _names_with_access(registers: Registers, access: str) -> set[str]:
-    return {name for name, register in registers.items() if register.access == access}
+def _names_with_access(register_by_name: Registers, access: str) -> set[str]:
+    return {name for name, register in register_by_name.items() if register.access == access}
 
 
 def _check_written_registers(spec: WrittenSpec, read_only_names: Collection[str], report: DocumentReport) -> None:
@@ -258,10 +258,10 @@ def _check_read_registers(spec: WrittenSpec, write_only_names: Collection[str], 
 
 def check_step_waits(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure waits long enough after a write that takes time, until its next write or its end."""
-    registers = by_name(spec.registers)
+    register_by_name = by_name(spec.registers)
     for procedure in spec.procedures:
         for index, step in enumerate(procedure.steps):
-            needed_ms = register_of_step(step, registers).wait_at_least_ms
+            needed_ms = register_of_step(step, register_by_name).wait_at_least_ms
             if step.do != "write" or needed_ms is None:
                 continue
             later_steps = procedure.steps[index + 1 :]
@@ -288,15 +288,15 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
     steps_before_next_write = list(takewhile(lambda step: step.do != "write", later_steps))
     waits = [step for step in steps_before_next_write if step.do == "wait"]
     waits_ms = [wait.at_least_ms for wait in waits if wait.at_least_ms is not None]
-    is_polled = any(step.do == "poll" for step in steps_before_next_write)
+    polls_register = any(step.do == "poll" for step in steps_before_next_write)
     is_last_write = len(steps_before_next_write) == len(later_steps)
-    total_ms = sum(waits_ms)
+    total_wait_ms = sum(waits_ms)
     ends_without_wait = is_last_write and not waits_ms
-    if is_polled or total_ms >= needed_ms or ends_without_wait:
+    if polls_register or total_wait_ms >= needed_ms or ends_without_wait:
         return None
     if not waits_ms:
         return _ShortWait(write.path, "there is no wait here")
-    return _ShortWait(waits[0].path_of("at_least_ms"), f"the wait here is {total_ms} ms")
+    return _ShortWait(waits[0].path_of("at_least_ms"), f"the wait here is {total_wait_ms} ms")
 
 
 def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -305,31 +305,33 @@ def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:
     Only the last of its earlier writes to the unlocking register counts. If there is none, another procedure may unlock
     the register.
     """
-    registers = by_name(spec.registers)
+    register_by_name = by_name(spec.registers)
     for procedure in spec.procedures:
         argument_names = [argument.name for argument in procedure.arguments]
         for index, step in enumerate(procedure.steps):
-            opener = register_of_step(step, registers).opened_by
-            if step.do != "write" or opener is None:
+            unlocking_write = register_of_step(step, register_by_name).opened_by
+            if step.do != "write" or unlocking_write is None:
                 continue
             earlier_steps = procedure.steps[:index]
-            opening_values = [earlier.value for earlier in earlier_steps if _writes_to_opener(earlier, opener)]
-            if not opening_values:
+            unlocking_values = [
+                earlier.value for earlier in earlier_steps if _writes_to_unlocking_register(earlier, unlocking_write)
+            ]
+            if not unlocking_values:
                 continue
-            last_value = opening_values[-1]
+            last_value = unlocking_values[-1]
             # The caller of the procedure may pass the correct value as an argument.
-            if last_value != opener.value and last_value not in argument_names:
+            if last_value != unlocking_write.value and last_value not in argument_names:
                 message = (
-                    f"{quoted(step.register)} must be unlocked by writing {quoted(opener.value)} to"
-                    f" {quoted(opener.register)}, but {quoted(last_value)} was written there"
+                    f"{quoted(step.register)} must be unlocked by writing {quoted(unlocking_write.value)} to"
+                    f" {quoted(unlocking_write.register)}, but {quoted(last_value)} was written there"
                 )
                 report.add("not-opened", step.path_of("register"), message)
 
 
-def _writes_to_opener(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
+def _writes_to_unlocking_register(step: WrittenStep, unlocking_write: WrittenOpenedBy) -> bool:
     """Return True if a step writes any value to the register, or to its field, that unlocks another register."""
-    if step.do != "write" or not step.value or not opener.value:
+    if step.do != "write" or not step.value or not unlocking_write.value:
         return False
-    is_opening_register = bool(step.register) and step.register == opener.register
+    is_opening_register = bool(step.register) and step.register == unlocking_write.register
     writes_all_fields = not step.field
-    return is_opening_register and (writes_all_fields or step.field == opener.field)
+    return is_opening_register and (writes_all_fields or step.field == unlocking_write.field)

@@ -28,23 +28,23 @@ def check_edges_and_periods(spec: WrittenSpec, report: DocumentReport) -> None:
     numbers explains another ratio.
     """
     for table in spec.tables:
-        period_column = _frequency_column(table.part, "periods")
-        edge_column = _frequency_column(table.part, "edges")
-        if period_column is None or edge_column is None:
+        period_column_index = _frequency_column(table.part, "periods")
+        edge_column_index = _frequency_column(table.part, "edges")
+        if period_column_index is None or edge_column_index is None:
             continue
         numbers_of_errata = _numbers_of_errata(spec, f"tables.{table.part.name}")
-        for index, row in enumerate(table.part.rows):
-            period_frequency = _number_in_cell(row, period_column)
-            edge_frequency = _number_in_cell(row, edge_column)
+        for row_index, row in enumerate(table.part.rows):
+            period_frequency = _number_in_cell(row, period_column_index)
+            edge_frequency = _number_in_cell(row, edge_column_index)
             if period_frequency is None or edge_frequency is None:
                 continue
-            period_text, edge_text = row[period_column], row[edge_column]
+            period_text, edge_text = row[period_column_index], row[edge_column_index]
             is_correct = edge_frequency == _EDGES_PER_PERIOD * period_frequency
             is_explained = {period_text, edge_text} <= numbers_of_errata
             if not is_correct and not is_explained:
                 expected_text = f"{_EDGES_PER_PERIOD} times the period frequency {period_text}"
                 message = f"the edge frequency {edge_text} is not {expected_text}"
-                path = (*table.path, "rows", index, edge_column)
+                path = (*table.path, "rows", row_index, edge_column_index)
                 report.add("table-arithmetic", path, f"{message}; correct one of the two")
 
 
@@ -59,13 +59,13 @@ def _frequency_column(table: Table, word: str) -> int | None:
 
     The result is None if there is not exactly one, or if the table has frequencies in different units.
     """
-    columns: list[int] = []
-    for index, (heading, unit) in enumerate(zip(table.columns, table.units, strict=False)):
+    column_indexes: list[int] = []
+    for column_index, (heading, unit) in enumerate(zip(table.columns, table.units, strict=False)):
         if unit in _FREQUENCY_UNITS and re.search(rf"\b{word}\b", heading, re.IGNORECASE):
-            columns.append(index)
+            column_indexes.append(column_index)
     frequency_units = {unit for unit in table.units if unit in _FREQUENCY_UNITS}
-    is_unambiguous = len(columns) == 1 and len(frequency_units) == 1
-    return columns[0] if is_unambiguous else None
+    is_unambiguous = len(column_indexes) == 1 and len(frequency_units) == 1
+    return column_indexes[0] if is_unambiguous else None
 
 
 def _number_in_cell(row: tuple[str, ...], column: int) -> Decimal | None:
@@ -84,43 +84,43 @@ def check_order_codes_in_rows(spec: WrittenSpec, report: DocumentReport) -> None
         for part in spec.order_code.parts:
             if not part.meaning:
                 continue
-            columns: list[int] = []
-            for index, heading in enumerate(table.part.columns):
+            column_indexes: list[int] = []
+            for heading_index, heading in enumerate(table.part.columns):
                 if heading.casefold().startswith(part.meaning.casefold()):
-                    columns.append(index)
-            if len(columns) != 1:
+                    column_indexes.append(heading_index)
+            if len(column_indexes) != 1:
                 continue
-            (column,) = columns
-            has_unit = column < len(table.part.units)
+            (column_index,) = column_indexes
+            has_unit = column_index < len(table.part.units)
             if has_unit:
                 meaning_by_label = {label: value.meaning for label, value in part.values.items()}
-                _compare_rows_with_meanings(table, column, meaning_by_label, report)
+                _compare_rows_with_meanings(table, column_index, meaning_by_label, report)
 
 
 def _compare_rows_with_meanings(
-    table: LocatedPart[Table], column: int, meaning_by_label: dict[str, str], report: DocumentReport
+    table: LocatedPart[Table], column_index: int, meaning_by_label: dict[str, str], report: DocumentReport
 ) -> None:
     """Report each row of a table whose number in a column differs from the meaning of the label in its other cells.
 
     A label such as ``0050`` has a meaning such as ``50 µm``. Rows with no label or several are skipped.
     """
-    unit = table.part.units[column]
-    for index, row in enumerate(table.part.rows):
-        other_cells = " ".join(cell for cell_index, cell in enumerate(row) if cell_index != column)
+    unit = table.part.units[column_index]
+    for row_index, row in enumerate(table.part.rows):
+        other_cells = " ".join(cell for other_index, cell in enumerate(row) if other_index != column_index)
         words_in_row = re.split(r"[^A-Za-z0-9]+", other_cells)
         labels = {word for word in words_in_row if word in meaning_by_label}
-        number = _number_in_cell(row, column)
+        number = _number_in_cell(row, column_index)
         if len(labels) != 1 or number is None or not unit:
             continue
         label = labels.pop()
         meaning = meaning_by_label[label]
-        quantity = re.fullmatch(rf"({_DECIMAL_NUMBER.pattern}) {re.escape(unit)}", meaning)  # ``50 µm``
-        if quantity is not None and Decimal(quantity[1]) != number:
+        quantity_match = re.fullmatch(rf"({_DECIMAL_NUMBER.pattern}) {re.escape(unit)}", meaning)  # ``50 µm``
+        if quantity_match is not None and Decimal(quantity_match[1]) != number:
             message = (
                 f"the row is about {quoted(label)}, which means {meaning} in the order code, but this is"
-                f" {row[column]} {unit}; correct one of the two"
+                f" {row[column_index]} {unit}; correct one of the two"
             )
-            report.add("table-arithmetic", (*table.path, "rows", index, column), message)
+            report.add("table-arithmetic", (*table.path, "rows", row_index, column_index), message)
 
 
 def check_reserved_addresses(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -178,8 +178,8 @@ def check_lengths_of_errata(spec: WrittenSpec, report: DocumentReport) -> None:
 def _lengths_in_table(table: Table) -> Iterator[Decimal]:
     """Yield the numbers in the columns of lengths of a table, in nanometres."""
     for row in table.rows:
-        for column, unit in enumerate(table.units):
-            number = _number_in_cell(row, column)
+        for column_index, unit in enumerate(table.units):
+            number = _number_in_cell(row, column_index)
             if unit in _NANOMETRES_PER_UNIT and number is not None:
                 yield number * _NANOMETRES_PER_UNIT[unit]
 
@@ -236,13 +236,13 @@ def check_repeated_tables(spec: WrittenSpec, report: DocumentReport) -> None:
         table = located_table.part
         earlier_tables = [earlier.part for earlier in tables[:index]]
         for earlier_table in earlier_tables:
-            pair = _only_difference(table, earlier_table)
-            if pair is not None:
+            cells = _only_difference(table, earlier_table)
+            if cells is not None:
                 message = (
-                    f"{quoted(pair.column)} is {pair.cell} here, but {pair.earlier_cell} in the table "
+                    f"{quoted(cells.column)} is {cells.cell} here, but {cells.earlier_cell} in the table "
                     f"{quoted(earlier_table.name)}; one of the two is wrong"
                 )
-                path = (*located_table.path, "rows", pair.row, table.columns.index(pair.column))
+                path = (*located_table.path, "rows", cells.row, table.columns.index(cells.column))
                 report.add("quantity-repeated", path, message)
 
 
@@ -274,32 +274,32 @@ def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
         if not _identifies_rows(table, key_column) or not _identifies_rows(earlier_table, key_column):
             continue
         compared_pairs: list[_CellPair] = []
-        for column in common_columns:
-            if column == key_column:
+        for column_name in common_columns:
+            if column_name == key_column:
                 continue
-            pairs = _number_pairs(table, earlier_table, key_column, column)
-            are_mostly_equal = 2 * len(_differing_cells(pairs)) <= len(pairs)
+            cell_pairs = _number_pairs(table, earlier_table, key_column, column_name)
+            are_mostly_equal = 2 * len(_differing_cells(cell_pairs)) <= len(cell_pairs)
             if are_mostly_equal:
-                compared_pairs += pairs
+                compared_pairs += cell_pairs
         differing_pairs = _differing_cells(compared_pairs)
         if len(differing_pairs) == 1 and len(compared_pairs) > _LEAST_EQUAL_CELLS:
             return differing_pairs[0]
     return None
 
 
-def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: str) -> list[_CellPair]:
-    """Return the pairs of cells with numbers in a column, from the rows with the same cell in ``key_column``."""
+def _number_pairs(table: Table, earlier_table: Table, key_column_name: str, column_name: str) -> list[_CellPair]:
+    """Return the pairs of cells with numbers in a column, from the rows with the same cell in ``key_column_name``."""
     earlier_cell_by_key: dict[str, str] = {}  # The cells in the column by the cells in the key column.
     for row in earlier_table.rows:
-        key_cell = _text_of_cell(earlier_table, row, key_column)
-        earlier_cell_by_key[key_cell] = _text_of_cell(earlier_table, row, column)
+        key_cell = _text_of_cell(earlier_table, row, key_column_name)
+        earlier_cell_by_key[key_cell] = _text_of_cell(earlier_table, row, column_name)
     cell_pairs: list[_CellPair] = []
     for row_index, row in enumerate(table.rows):
-        key_cell = _text_of_cell(table, row, key_column)
+        key_cell = _text_of_cell(table, row, key_column_name)
         if key_cell in earlier_cell_by_key:
-            cell = _text_of_cell(table, row, column)
+            cell = _text_of_cell(table, row, column_name)
             earlier_cell = earlier_cell_by_key[key_cell]
-            cell_pairs.append(_CellPair(row=row_index, column=column, cell=cell, earlier_cell=earlier_cell))
+            cell_pairs.append(_CellPair(row=row_index, column=column_name, cell=cell, earlier_cell=earlier_cell))
     return [pair for pair in cell_pairs if pair.is_numeric]
 
 

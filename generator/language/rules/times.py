@@ -29,8 +29,10 @@ _NANOSECONDS_PER_UNIT = {"ns": 1, "us": 1000, "µs": 1000, "ms": 1_000_000, "s":
 _TIME_PATTERN = r"(?<![\w.,])(?P<number>\d+(?:,\d{3})*(?:\.\d+)?) ?(?P<unit>ns|us|µs|ms|s(?:econds?)?)\b(?!/)"
 _ANY_TIME = re.compile(_TIME_PATTERN)
 #: A time that the reader or the encoder must keep.
-_KEPT_TIME = re.compile(rf"\b(?:[Ww]ait|[Pp]ause|[Ww]ithin|[Aa]t least|[Aa]t most)\w*\b[^.;:,]{{0,40}}?{_TIME_PATTERN}")
-_NO_TEXTS = frozenset(("source", "bytes", "bits", "name", "address"))
+_TIME_TO_KEEP = re.compile(
+    rf"\b(?:[Ww]ait|[Pp]ause|[Ww]ithin|[Aa]t least|[Aa]t most)\w*\b[^.;:,]{{0,40}}?{_TIME_PATTERN}"
+)
+_KEYS_WITHOUT_PROSE = frozenset(("source", "bytes", "bits", "name", "address"))
 
 
 def check_repeated_times(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -46,12 +48,12 @@ def check_repeated_times(spec: WrittenSpec, report: DocumentReport) -> None:
     for timing in timings(spec):
         named_times |= set(_nanoseconds_in(dict(timing.data)))
     timed_parts: list[PlacedPart] = [*spec.registers, *spec.procedures, *spec.timings, *spec.inputs]
-    times_of_parts = [set(_nanoseconds_in(part.data)) for part in timed_parts]
+    own_times_of_parts = [set(_nanoseconds_in(part.data)) for part in timed_parts]
     # The number of parts in which a time occurs, to distinguish a time of another part from the part's own.
     part_count_by_time: Counter[int | Decimal] = Counter()
-    for own_times in times_of_parts:
+    for own_times in own_times_of_parts:
         part_count_by_time.update(own_times)
-    for part, own_times in zip(timed_parts, times_of_parts, strict=True):
+    for part, own_times in zip(timed_parts, own_times_of_parts, strict=True):
         other_times = _TimesElsewhere(
             named_times=named_times, part_count_by_time=part_count_by_time, own_times=own_times
         )
@@ -154,7 +156,7 @@ def _compare_times(
     """
     if not expected_times:
         return
-    for match in _KEPT_TIME.finditer(text):
+    for match in _TIME_TO_KEEP.finditer(text):
         stated_time = _to_nanoseconds(match)
         if stated_time not in expected_times and not other_times.contains(stated_time):
             _report_time(match, expected_times, path=path, report=report)
@@ -195,7 +197,7 @@ def _texts_with_nearby_times(node: object, path: Path) -> Iterator[tuple[Path, s
         numbers_by_key = {key: value for key, value in node.items() if isinstance(value, int)}
         nearby_times = set(_nanoseconds_in(numbers_by_key))
         for key, value in node.items():
-            if isinstance(value, str) and key not in _NO_TEXTS:
+            if isinstance(value, str) and key not in _KEYS_WITHOUT_PROSE:
                 yield (*path, key), value, nearby_times
             else:
                 yield from _texts_with_nearby_times(value, (*path, key))
@@ -209,28 +211,28 @@ def check_repeated_waits(spec: WrittenSpec, report: DocumentReport) -> None:
 
     The register is recognized by its name in the manual, or by its own name: "Command" for ``command``.
     """
-    waiting_registers: dict[str, WrittenRegister] = {}  # By their names in texts.
+    waiting_register_by_name: dict[str, WrittenRegister] = {}  # By their names in texts.
     for register in by_name(spec.registers).values():
         if register.wait_at_least_ms is not None:
-            waiting_registers[register.name.replace("_", " ").capitalize()] = register
-            waiting_registers[register.printed_name] = register
+            waiting_register_by_name[register.name.replace("_", " ").capitalize()] = register
+            waiting_register_by_name[register.printed_name] = register
     for _, interface in interfaces(spec):
         for timing in interface.timings:
-            _compare_wait_with_register(timing, waiting_registers, report)
+            _compare_wait_with_register(timing, waiting_register_by_name, report)
 
 
 def _compare_wait_with_register(
-    timing: LocatedPart[Timing], waiting_registers: Mapping[str, WrittenRegister], report: DocumentReport
+    timing: LocatedPart[Timing], waiting_register_by_name: Mapping[str, WrittenRegister], report: DocumentReport
 ) -> None:
     """Check that a timing whose meaning says ``write to the … register`` has the wait of this register.
 
-    ``waiting_registers`` contains the registers that need a wait after a write, by their names in the manual.
+    ``waiting_register_by_name`` contains the registers that need a wait after a write, by their names in the manual.
     """
     match = re.search(r"\bwrite to the (.+?) register\b", timing.part.meaning)
     if match is None:
         return
     printed_name = match[1].strip('"')
-    register = waiting_registers.get(printed_name)
+    register = waiting_register_by_name.get(printed_name)
     wait_us = timing.part.at_least_us
     if register is None or register.wait_at_least_ms is None or wait_us is None:
         return
@@ -251,11 +253,11 @@ def check_timing_bounds(spec: WrittenSpec, report: DocumentReport) -> None:
             "typical_us": timing.part.typical_us,
             "at_most_us": timing.part.at_most_us,
         }
-        times = [(key, time_us) for key, time_us in times_by_key.items() if time_us is not None]
-        if not times:
+        stated_times = [(key, time_us) for key, time_us in times_by_key.items() if time_us is not None]
+        if not stated_times:
             message = "a timing needs 'at_least_us', 'typical_us' or 'at_most_us'"
             report.add("timing-without-bound", timing.path, message)
-        for (lower_key, lower_us), (higher_key, higher_us) in pairwise(times):
+        for (lower_key, lower_us), (higher_key, higher_us) in pairwise(stated_times):
             if lower_us > higher_us:
                 message = f"{quoted(higher_key)} ({higher_us}) is less than {quoted(lower_key)} ({lower_us})"
                 report.add("timing-order", (*timing.path, higher_key), message)
@@ -267,8 +269,8 @@ def check_intervals(spec: WrittenSpec, report: DocumentReport) -> None:
     Nothing is checked if ``timings`` contains no shortest time.
     """
     rs485 = spec.interfaces.rs485
-    shortest_times = {timing.part.at_least_us for timing in rs485.timings} if rs485 is not None else set()
-    known_times_us = sorted(time_us for time_us in shortest_times if time_us is not None)
+    shortest_times_us = {timing.part.at_least_us for timing in rs485.timings} if rs485 is not None else set()
+    known_times_us = sorted(time_us for time_us in shortest_times_us if time_us is not None)
     if not known_times_us:
         return
     known_text = join_words([f"{time_us} µs" for time_us in known_times_us], "or")

@@ -131,7 +131,7 @@ def check_wires_of_contacts(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Connection]]:
     """Return the pairs of a connector and a cable with an interface in common, by the titles of the two."""
-    connections: dict[tuple[str, str], list[_Connection]] = {}
+    connections_by_titles: dict[tuple[str, str], list[_Connection]] = {}
     connectors_and_cables = spec.connectors[:_MOST_CONNECTORS]
     connectors = [candidate for candidate in connectors_and_cables if candidate.part.kind == "connector"]
     cables = [candidate for candidate in connectors_and_cables if candidate.part.kind == "cable"]
@@ -140,8 +140,8 @@ def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Con
             has_common_interface = not set(connector.part.interfaces).isdisjoint(cable.part.interfaces)
             if has_common_interface:
                 titles = connector.part.title, cable.part.title
-                connections.setdefault(titles, []).append((connector, cable))
-    return connections
+                connections_by_titles.setdefault(titles, []).append((connector, cable))
+    return connections_by_titles
 
 
 def _wires_by_contact(connector: Connector, cable: Connector) -> dict[str, str]:
@@ -149,13 +149,13 @@ def _wires_by_contact(connector: Connector, cable: Connector) -> dict[str, str]:
 
     Only signals that occur exactly once in the connector and once in the cable are used.
     """
-    counts_of_contacts = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
-    counts_of_wires = Counter(_plain_signal(wire.signal) for wire in cable.contacts)
+    contact_count_by_signal = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
+    wire_count_by_signal = Counter(_plain_signal(wire.signal) for wire in cable.contacts)
     wire_by_signal = {_plain_signal(wire.signal): wire.contact for wire in cable.contacts}
     wire_by_contact: dict[str, str] = {}
     for contact in connector.contacts:
         signal = _plain_signal(contact.signal)
-        is_unique = counts_of_contacts[signal] == 1 and counts_of_wires[signal] == 1
+        is_unique = contact_count_by_signal[signal] == 1 and wire_count_by_signal[signal] == 1
         if is_unique:
             wire_by_contact[contact.contact] = wire_by_signal[signal]
     return wire_by_contact
@@ -208,27 +208,27 @@ def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
         return
     for connector in spec.connectors:
         index_by_line = _contact_index_by_line(connector.part)
-        explained_pairs = _check_statements_of_note(connector, index_by_line, report)
+        explained_pairs = _checked_pairs_of_note(connector, index_by_line, report)
         pairs = list(_differential_pairs(index_by_line))
         for pair in pairs:
             problem = _describe_unusual_order(pair, pairs)
-            indices = {pair.plain_index, pair.inverted_index}
-            if problem and indices not in explained_pairs:
+            contact_indices = {pair.plain_index, pair.inverted_index}
+            if problem and contact_indices not in explained_pairs:
                 statement = f"{pair.first_line} is on a lower-numbered contact than {pair.second_line}"
                 message = f"{problem}; correct it, or say in a 'note' that {statement}"
-                path = (*connector.path, "contacts", min(indices), "signal")
+                path = (*connector.path, "contacts", min(contact_indices), "signal")
                 report.add("pair-order", path, message)
 
 
-def _describe_unusual_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
+def _describe_unusual_order(pair: _Pair, all_pairs: Sequence[_Pair]) -> str:
     """Return the problem of a pair whose lines are not adjacent, or not in the order of the first pair.
 
-    ``pairs`` are all pairs of the connector. The result is empty if there is no problem.
+    ``all_pairs`` are all pairs of the connector. The result is empty if there is no problem.
     """
-    usual_pair = pairs[0]
-    are_all_apart = all(other_pair.is_apart for other_pair in pairs)
+    usual_pair = all_pairs[0]
+    are_all_apart = all(other_pair.is_apart for other_pair in all_pairs)
     # If both of two pairs are apart, that is unusual as well.
-    is_apart_unusual = not are_all_apart or len(pairs) == 2
+    is_apart_unusual = not are_all_apart or len(all_pairs) == 2
     lower_line, higher_line = quoted(pair.first_line), quoted(pair.second_line)
     if pair.is_apart and is_apart_unusual:
         return f"{lower_line} and {higher_line} are not next to each other"
@@ -240,11 +240,11 @@ def _describe_unusual_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
 
 def _contact_index_by_line(connector: Connector) -> dict[str, int]:
     """Return the index of the contact of each line. Lines on several contacts are left out."""
-    lines_with_index: list[tuple[str, int]] = []
+    lines_and_indices: list[tuple[str, int]] = []
     for index, contact in enumerate(connector.contacts):
-        lines_with_index += [(line, index) for line in signal_names(contact.signal)]
-    contact_counts = Counter(line for line, _ in lines_with_index)
-    return {line: index for line, index in lines_with_index if contact_counts[line] == 1}
+        lines_and_indices += [(line, index) for line in signal_names(contact.signal)]
+    contact_count_by_line = Counter(line for line, _ in lines_and_indices)
+    return {line: index for line, index in lines_and_indices if contact_count_by_line[line] == 1}
 
 
 def _differential_pairs(index_by_line: Mapping[str, int]) -> Iterator[_Pair]:
@@ -266,7 +266,7 @@ def _differential_pairs(index_by_line: Mapping[str, int]) -> Iterator[_Pair]:
             yield _Pair(plain_line, inverted_line, plain_index=plain_index, inverted_index=inverted_index)
 
 
-def _check_statements_of_note(
+def _checked_pairs_of_note(
     connector: LocatedPart[Connector], index_by_line: Mapping[str, int], report: DocumentReport
 ) -> list[set[int]]:
     """Return the pairs of contacts whose order the note of a connector states, and report each false statement.
