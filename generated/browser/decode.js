@@ -3636,7 +3636,9 @@
     const crcLength = crc.width / 8;
     const withMistake = (kind, text, members) => ({ ...asSent, kind, text, template: text, ...members });
     const swapped = { receivedCrc: numberOf("big", bytesOf("little", asSent.receivedCrc, crcLength)) };
-    const hypotheses = crcLength > 1 ? [withMistake("crc_bytes_swapped", texts.crc_bytes_swapped, swapped)] : [];
+    const hypotheses = crcLength > 1 ? [
+      withMistake("crc_bytes_swapped", texts.crc_bytes_swapped, swapped),
+      withMistake("crc_reversed", texts.crc_reversed, { receivedCrc: reverseBits(asSent.receivedCrc, crc.width) })] : [];
     for (const [kind, text, otherCrc] of crc.byte_others ?? []) {
       hypotheses.push(withMistake(kind, text, { crc: otherCrc }));
       if (crcLength > 1 && kind === "other_polynomial") {
@@ -4017,6 +4019,19 @@
     ];
   }
 
+  /**
+   * The frame before it was read one clock early and one clock late, or null for a shift that is detected. A CRC whose
+   * start value is 0 and that is not inverted is also valid for a frame that is shifted by a 0.
+   */
+  function listUndetectedShifts(placedLayout, number) {
+    const { crc, bits } = placedLayout;
+    const detectsAllShifts = toBigInt(crc.init) !== 0n || toBigInt(crc.xorout) !== 0n;
+    const isUndetected = (frameNumber) => !detectsAllShifts && frameNumber >> BigInt(bits) === 0n
+      && !decode(placedLayout, frameNumber).problems.length;
+    const lostOne = (number & ONE) !== 0n;
+    return [isUndetected(number << ONE) ? number << ONE : null, !lostOne && isUndetected(number >> ONE) ? number >> ONE : null];
+  }
+
   /** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */
   function otherPositions({ placedLayout, number, problems, crc, fields, typedFrame }, measure) {
     const isWordOfEncoder = placedLayout && !placedLayout.layout.order && placedLayout.layout.sender === "encoder";
@@ -4025,13 +4040,14 @@
     const position = positionIn(fields);
     const hasPosition = typeof position?.value === "bigint";
     const hasDigits = Boolean(placedLayout?.digits.length);
-    if (!isWordOfEncoder || problems.length || crc || !hasPosition || hasDigits) return [];
-    const doubtfulFrames = listDoubtfulFrames(placedLayout, number, position, typedFrame);
-    const textsAndFrames = [
-      ...doubtfulFrames.map((frameNumber, index) => [TABLE.doubts[index], frameNumber]),
+    if (!isWordOfEncoder || problems.length || !hasPosition || hasDigits) return [];
+    const doubtfulFrames = crc ? listUndetectedShifts(placedLayout, number)
+      : listDoubtfulFrames(placedLayout, number, position, typedFrame);
+    const recordedFrames = crc ? [] : [
       ...findLeftAlignedFrame(placedLayout, typedFrame), ...findCutFrame(placedLayout, typedFrame),
-      ...findRecordedFrames(placedLayout, typedFrame)].filter(([, frameNumber]) => frameNumber !== null);
-    return textsAndFrames
+      ...findRecordedFrames(placedLayout, typedFrame)];
+    return [...doubtfulFrames.map((frameNumber, index) => [TABLE.doubts[index], frameNumber]), ...recordedFrames]
+      .filter(([, frameNumber]) => frameNumber !== null)
       .map(([text, frameNumber]) => [text, positionIn(decode(placedLayout, frameNumber).fields).value])
       .filter(([, otherPosition]) => otherPosition !== position.value);
   }
@@ -4458,7 +4474,8 @@
   /** Return the words before the explanations. If noise is also a cause (``hasNoise``), they are another cause. */
   function introduceExplanations(decoded, hasNoise) {
     if (!canCrcContradict(decoded)) return `${messageFor("uncertain")}:`;
-    return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
+    return hasNoise ? "If all frames fail, possible explanations, most likely first:"
+      : "Possible explanations, most likely first:";
   }
 
   /** Return whether a frame has a transmission error: a wrong CRC or length, or without a CRC, a wrong constant. */

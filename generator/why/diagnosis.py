@@ -230,8 +230,13 @@ def _chance_of_any(hypotheses: Iterable[Hypothesis]) -> float:
     It is 0.03 for two hypotheses that match 1 in 64 random frames each. Hypotheses that match the same frames are
     counted once.
     """
-    one_in_by_key = {hypothesis.match_key: hypothesis.one_in for hypothesis in hypotheses}
-    chance_that_none_matches = prod(1 - 1 / one_in for one_in in one_in_by_key.values())
+    chance_by_key: dict[object, float] = {}
+    for hypothesis in hypotheses:
+        chance_at_one_place = 0.5 ** (hypothesis.received_crc_bits + hypothesis.determined_bits)
+        # A frame that is searched at every bit has a hypothesis for each place.
+        places = 1 if hypothesis.kind == FRAME_INSIDE else hypothesis.searched_places
+        chance_by_key[hypothesis.match_key] = 1 - (1 - chance_at_one_place) ** places
+    chance_that_none_matches = prod(1 - chance for chance in chance_by_key.values())
     return 1 - chance_that_none_matches
 
 

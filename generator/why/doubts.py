@@ -1,4 +1,4 @@
-"""Other readings of a valid frame without a CRC, for users whose position looks wrong.
+"""Other readings of a valid frame that no CRC contradicts, for users whose position looks wrong.
 
 They do not explain an error, because every valid frame has them. The script of the decode page follows the same rules.
 """
@@ -45,21 +45,24 @@ def other_positions(
     Over SSI, leading zeros of ``typed_frame``, the number as the user typed it, may also have been received. The frame
     is then a different part of it.
 
-    The list is empty if a CRC confirms the frame, if the frame has an error or no position, or if it has numbers whose
-    digits are sent separately. Readings with the same position as the frame itself are omitted.
+    The list is empty if the frame has an error or no position, or if it has numbers whose digits are sent separately.
+    If the frame has a CRC, it contains only the shifts by one clock that the CRC does not detect. Readings with the
+    same position as the frame itself are omitted.
     """
     placed_layout = decoded.layout
     if placed_layout is None or placed_layout.layout.in_bytes or placed_layout.layout.sender != "encoder":
         return []
     has_digit_fields = any(field.kind.digit_code for field in placed_layout.layout.fields)
-    if decoded.problems or decoded.crc is not None or has_digit_fields:
+    if decoded.problems or has_digit_fields:
         return []
     position_field_name = position_name(device, variant)
     position = decoded.values.get(position_field_name)
     is_count = isinstance(position, int) and not isinstance(position, bool)
     if not is_count:
         return []
-    readings: list[tuple[str, int]] = []
+    if decoded.crc is not None:
+        texts_and_frames = list(zip(READINGS, _undetected_shifts(device, placed_layout, decoded.number), strict=False))
+        return _positions_in_frames(device, placed_layout, texts_and_frames, position_field_name, position)
     may_be_bytes = typed_frame is None or not typed_frame.is_length_known or typed_frame.bits % 8 == 0
     other_frames = _frames_without_mistake(
         placed_layout, position_field_name, decoded.number, may_be_bytes=may_be_bytes
@@ -67,13 +70,40 @@ def other_positions(
     texts_and_frames = [*zip(READINGS, other_frames, strict=True)]
     if typed_frame is not None:
         texts_and_frames += _recorded_frames(device, variant, placed_layout, typed_frame)
+    return _positions_in_frames(device, placed_layout, texts_and_frames, position_field_name, position)
+
+
+def _positions_in_frames(
+    device: Device,
+    placed_layout: PlacedLayout,
+    texts_and_frames: Sequence[tuple[str, int | None]],
+    position_name: str,
+    position: object,
+) -> list[tuple[str, int]]:
+    """Return the text and the position of each possible frame whose position differs from ``position``."""
+    readings: list[tuple[str, int]] = []
     for reading_text, other_frame in texts_and_frames:
         if other_frame is None:
             continue
-        other_position = codec.decode(device, placed_layout, other_frame).values[position_field_name]
+        other_position = codec.decode(device, placed_layout, other_frame).values[position_name]
         if isinstance(other_position, int) and other_position != position:
             readings.append((reading_text, other_position))
     return readings
+
+
+def _undetected_shifts(device: Device, placed_layout: PlacedLayout, frame: int) -> Iterator[int | None]:
+    """Yield the frame as it was before it was read one clock early and one clock late, if its CRC detects neither.
+
+    A CRC whose start value is 0 and that is not inverted is also valid for a frame that is shifted by a 0. Yield None
+    for a shift that the CRC or another check detects.
+    """
+    crc = device.crc_of(placed_layout)
+    detects_all_shifts = crc is None or crc.init != 0 or crc.xorout != 0
+    lost_one = bool(frame & 1)
+    for other_frame, can_be_shift in ((frame << 1, True), (frame >> 1, not lost_one)):
+        is_possible = not detects_all_shifts and can_be_shift and not other_frame >> placed_layout.bits
+        is_valid = is_possible and not codec.decode(device, placed_layout, other_frame).problems
+        yield other_frame if is_valid else None
 
 
 def _recorded_frames(

@@ -98,6 +98,10 @@ def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -
     if has_byte_order:
         description = TEXTS["crc_bytes_swapped"]
         yield replace(without_mistake, kind="crc_bytes_swapped", description=description, received_crc=swapped_crc)
+        reversed_crc = reflect(without_mistake.received_crc, crc.width)
+        yield replace(
+            without_mistake, kind="crc_reversed", description=TEXTS["crc_reversed"], received_crc=reversed_crc
+        )
     for kind, description, other_crc in other_crcs_over_bytes(crc):
         with_other_crc = replace(without_mistake, kind=kind, description=description, crc=other_crc)
         yield with_other_crc

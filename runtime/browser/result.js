@@ -225,7 +225,8 @@ function describeNoise(decoded) {
 /** Return the words before the explanations. If noise is also a cause (``hasNoise``), they are another cause. */
 function introduceExplanations(decoded, hasNoise) {
   if (!canCrcContradict(decoded)) return `${messageFor("uncertain")}:`;
-  return hasNoise ? "If all frames fail, these changes make the CRC match:" : "These changes make the CRC match:";
+  return hasNoise ? "If all frames fail, possible explanations, most likely first:"
+    : "Possible explanations, most likely first:";
 }
 
 /** Return whether a frame has a transmission error: a wrong CRC or length, or without a CRC, a wrong constant. */

@@ -46,6 +46,7 @@ MISTAKES = {
     "first byte missing": (REPLY[1:], "the first byte (01) is missing"),
     "one behind": (REPLY[1:] + b"\0", "the first byte (01) is missing, and an extra byte follows the frame"),
     "last byte missing": (REPLY[:-1], "the last byte, a part of the CRC, is missing"),
+    "CRC reversed": (DATA + bytes.fromhex("B1 AF"), "the bits of the CRC are in reverse order"),
     "CRC swapped": (DATA + REPLY[:-3:-1], "the bytes of the CRC are swapped"),
     "inverted": (bytes(byte ^ 0xFF for byte in REPLY), "every bit is inverted"),
     "bits reversed": (bytes(reflect(byte, 8) for byte in REPLY), "the bits of each byte are in reverse order"),
@@ -93,6 +94,14 @@ def test_a_usual_crc_is_found_for_a_line_with_modbus_parameters(capsys: Capture)
     """XMODEM and CCITT-FALSE differ only in the start value, and MODBUS is known by its name."""
     line = "rs485,high_byte_first:address=8,function=8,length=8,position=32,crc=16:0x1021:low_byte_first"
     assert explanations_of(capsys, line, REPLY)[0]["text"] == "the CRC is that of MODBUS"
+
+
+def test_many_places_do_not_make_a_match_certain(capsys: Capture) -> None:
+    """A window of 45 bits in 64 bits has few places, each with a chance of 1 of 64."""
+    main(["decode", "AMM5A21/65KSC1", "55 bc d1 5e 20 01 02 03", "--json"])
+    why = json.loads(capsys.readouterr().out)["why"]
+    assert why["explanations"] == []
+    assert why["coincidence"] < 0.6
 
 
 def test_a_lost_byte_that_was_searched_proves_a_byte_less(capsys: Capture) -> None:

@@ -735,6 +735,12 @@ def test_a_number_above_255_in_a_list_of_bytes_is_named(capsys: Capture) -> None
     assert message.startswith("'300' is not a byte: it is above 255 in decimal, and has an odd number of hex digits")
 
 
+def test_a_shift_that_a_crc_does_not_detect_is_a_reading(capsys: Capture) -> None:
+    """The CRC of the MT6701 starts with 0 and is not inverted, so a frame that is shifted by a 0 is valid too."""
+    output = text(capsys, "MT6701", "d5 e0 0a")[1]
+    assert "Does the position look wrong? The position would be 6844 if it was read one clock late." in output
+
+
 def test_all_bits_of_too_many_bytes_count(capsys: Capture) -> None:
     assert "length error: 'ssi_word' has 8 bits, got 16" in text(capsys, "ssi:position=8", "12 34")[1]
 

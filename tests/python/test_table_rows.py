@@ -55,6 +55,8 @@ def test_frames_are_found_by_their_values(lika: Any) -> None:
         assert other not in table
     with pytest.raises(ValueError, match=r"^the table has no frame with these values$"):
         table.index({**table[0], "position": 5})
+    with pytest.raises(TypeError, match="expected a dictionary with the values of a frame, got int"):
+        table.index(3)
     # The first speed is NaN, which differs from itself.
     with_speeds = table.with_columns(time=[1, 2, 3]).in_si()
     assert [with_speeds.index(row) for row in with_speeds] == [0, 1, 2]

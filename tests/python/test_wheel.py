@@ -86,7 +86,7 @@ def colleague_commands(readme: str) -> list[str]:
     assert match is not None
     commands = match[1].splitlines()
     assert commands[0] == "pip wheel -w dist ."
-    assert commands[1] == "pip install --no-index --find-links dist lika-encoders"
+    assert commands[1] == "pip install --force-reinstall --no-index --find-links dist lika-encoders"
     return commands
 
 

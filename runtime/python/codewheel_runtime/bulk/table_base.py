@@ -75,8 +75,11 @@ class FrameSequence(ABC):
             frame: Values by the names of the columns, as ``table[7]`` returns them.
 
         Raises:
+            TypeError: ``frame`` is no dictionary, such as a decoded frame.
             ValueError: The table has no such frame.
         """
+        if not isinstance(cast("object", frame), Mapping):
+            raise TypeError(f"expected a dictionary with the values of a frame, got {type(frame).__name__}")
         for index, row in enumerate(self.rows()):
             if _have_same_values(row, frame):
                 return index
