@@ -75,7 +75,7 @@ class FrameSequence(ABC):
             frame: Values by the names of the columns, as ``table[7]`` returns them.
 
         Raises:
-            TypeError: ``frame`` is no dictionary, such as a decoded frame.
+            TypeError: ``frame`` is not a dictionary, for example a decoded frame.
             ValueError: The table has no such frame.
         """
         if not isinstance(cast("object", frame), Mapping):
