@@ -4024,12 +4024,10 @@
    * start value is 0 and that is not inverted is also valid for a frame that is shifted by a 0.
    */
   function listUndetectedShifts(placedLayout, number) {
-    const { crc, bits } = placedLayout;
-    const detectsAllShifts = toBigInt(crc.init) !== 0n || toBigInt(crc.xorout) !== 0n;
-    const isUndetected = (frameNumber) => !detectsAllShifts && frameNumber >> BigInt(bits) === 0n
-      && !decode(placedLayout, frameNumber).problems.length;
-    const lostOne = (number & ONE) !== 0n;
-    return [isUndetected(number << ONE) ? number << ONE : null, !lostOne && isUndetected(number >> ONE) ? number >> ONE : null];
+    const { init, xorout } = placedLayout.crc;
+    const mayMissShift = toBigInt(init) === 0n && toBigInt(xorout) === 0n;
+    return [number << ONE, number >> ONE].map((frameNumber) => (
+      mayMissShift && !decode(placedLayout, frameNumber).problems.length ? frameNumber : null));
   }
 
   /** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */

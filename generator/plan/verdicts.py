@@ -105,9 +105,7 @@ class VerdictRules:
         if not judges_position:
             return VerdictRules(not_usable, (), default_verdict=Verdict.UNKNOWN, judges_if_positive=Expression(0))
         with_warning = tuple(cause for cause in self.with_warning if _has_bits(cause.cause, parameters))
-        return VerdictRules(
-            not_usable, with_warning, default_verdict=self.default_verdict, judges_if_positive=Expression(1)
-        )
+        return VerdictRules(not_usable, with_warning, self.default_verdict, judges_if_positive=Expression(1))
 
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
@@ -152,10 +150,7 @@ def verdict_rules_of(layout_plan: LayoutPlan) -> VerdictRules:
     if layout_plan.layout.judges_position:
         with_warning = tuple(causes_by_verdict[Verdict.USABLE_WITH_WARNING])
         default_verdict = Verdict.USABLE
-    judges_if_positive = layout_plan.layout.judges_if_positive
-    return VerdictRules(
-        not_usable, with_warning, default_verdict=default_verdict, judges_if_positive=judges_if_positive
-    )
+    return VerdictRules(not_usable, with_warning, default_verdict, layout_plan.layout.judges_if_positive)
 
 
 def _decoded_fields(layout_plan: LayoutPlan) -> dict[str, FieldToDecode]:

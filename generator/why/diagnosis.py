@@ -156,7 +156,7 @@ def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypot
 def _explain_mistake(device: Device, hypotheses_of_mistake: Sequence[Hypothesis]) -> Explanation:
     """Return one explanation for hypotheses with the same mistake, which differ only in the value of a lost bit.
 
-    Each hypothesis leaves out the assumed bit, so their ``one_in`` are added to count the bits that were compared once.
+    ``one_in`` of each hypothesis excludes the assumed bit. Their sum therefore counts the compared bits once.
     """
     explanations = [
         _explain_hypothesis(device, hypothesis, undecided_parameters=frozenset())

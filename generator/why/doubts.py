@@ -98,12 +98,10 @@ def _undetected_shifts(device: Device, placed_layout: PlacedLayout, frame: int) 
     for a shift that the CRC or another check detects.
     """
     crc = device.crc_of(placed_layout)
-    detects_all_shifts = crc is None or crc.init != 0 or crc.xorout != 0
-    lost_one = bool(frame & 1)
-    for other_frame, can_be_shift in ((frame << 1, True), (frame >> 1, not lost_one)):
-        is_possible = not detects_all_shifts and can_be_shift and not other_frame >> placed_layout.bits
-        is_valid = is_possible and not codec.decode(device, placed_layout, other_frame).problems
-        yield other_frame if is_valid else None
+    may_miss_shift = crc is not None and crc.init == 0 and crc.xorout == 0
+    for other_frame in (frame << 1, frame >> 1):
+        is_undetected = may_miss_shift and not codec.decode(device, placed_layout, other_frame).problems
+        yield other_frame if is_undetected else None
 
 
 def _recorded_frames(
